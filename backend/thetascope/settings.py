@@ -39,6 +39,10 @@ class Settings:
 
     #: Folder of the store (runs.sqlite). Default: the user's data folder of the operating system.
     data: Path
+    #: The store, if it is elsewhere: the path of a file, or the URL of a PostgreSQL database. And whether to change
+    #: nothing in it (1).
+    database: str = ""
+    read_only: int = 0
     #: Address and port on which `thetascope serve` listens.
     host: str = "127.0.0.1"
     port: int = 8000
@@ -86,9 +90,9 @@ class Settings:
     backlog: int = 8 * 1024**2
 
     @property
-    def database(self) -> Path:
-        """Path of the store's file."""
-        return self.data / "runs.sqlite"
+    def store(self) -> str:
+        """Path or URL of the store."""
+        return self.database or str(self.data / "runs.sqlite")
 
 
 def load(environ: Mapping[str, str] | None = None, **overrides: object) -> Settings:

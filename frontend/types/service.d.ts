@@ -1981,7 +1981,8 @@ export interface Run {
 export interface RunLine {
   id: string;
   title: string;
-  status: 'queued' | 'running' | 'done' | 'failed' | 'cancelled';
+  /** damaged: what is stored does not have its checksum; run the experiment again, or remove the run. */
+  status: 'queued' | 'running' | 'done' | 'failed' | 'cancelled' | 'damaged';
   created: string;
   pinned: boolean;
   links: {[name: string]: string};

@@ -20,7 +20,7 @@ def test_every_field_is_read_from_its_variable_and_overridden_by_arguments():
         },
         port=9001,
     )
-    assert found.database == Path("/srv/data/runs.sqlite")
+    assert found.store == "/srv/data/runs.sqlite"
     assert (found.port, found.max_body, found.store_limit, found.wait) == (9001, 65536, 3 * 1024**3, 0.5)
     assert found.host == "127.0.0.1"
 

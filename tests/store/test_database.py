@@ -16,7 +16,7 @@ def test_an_older_file_is_migrated_and_keeps_its_runs(open_store, monkeypatch):
     for _ in range(2):
         store = open_store()
         with store._database.reading() as connection:
-            assert connection.execute("SELECT note FROM runs WHERE id = 'a'").fetchone()[0] == "none"
+            assert connection.exec_driver_sql("SELECT note FROM runs WHERE id = 'a'").scalar_one() == "none"
 
 
 def test_a_newer_file_is_refused_and_unchanged(tmp_path):
@@ -46,8 +46,8 @@ def test_a_damaged_page_is_reported_when_it_is_read(tmp_path):
     database = Database(path)
     with database.writing() as connection:
         for i in range(200):
-            connection.execute(
-                "INSERT INTO runs VALUES (?, ?, 't', 'done', NULL, NULL, 'e', 1, 0)", (f"{i}", "x" * 900)
+            connection.exec_driver_sql(
+                "INSERT INTO runs VALUES (?, ?, 't', 'done', NULL, NULL, 'e', 1, 0, NULL, NULL)", (f"{i}", "x" * 900)
             )
     database.close()
     content = bytearray(path.read_bytes())
@@ -55,14 +55,15 @@ def test_a_damaged_page_is_reported_when_it_is_read(tmp_path):
     path.write_bytes(content)
     database = Database(path)
     with pytest.raises(StoreError, match="damaged"), database.reading() as connection:
-        connection.execute("SELECT * FROM runs").fetchall()
+        connection.exec_driver_sql("SELECT * FROM runs").fetchall()
     database.close()
 
 
+@pytest.mark.parametrize("place", ["sqlite"], indirect=True)
 def test_a_locked_store_is_refused_after_a_wait(open_store, tmp_path):
     """The message says which program to close."""
     store = open_store(timeout=0.05)
-    other = sqlite3.connect(store._database.path, isolation_level=None)
+    other = sqlite3.connect(tmp_path / "data" / "runs.sqlite", isolation_level=None)
     other.execute("BEGIN IMMEDIATE")
     with pytest.raises(StoreError, match="held by another process"):
         store.put(made_record("a"))
@@ -84,6 +85,6 @@ def test_a_failed_transaction_changes_nothing(open_store):
     store = open_store()
     store.put(made_record("a"))
     with pytest.raises(RuntimeError), store._database.writing() as connection:
-        connection.execute("DELETE FROM runs")
+        connection.exec_driver_sql("DELETE FROM runs")
         raise RuntimeError
     assert store.get("a") is not None

@@ -1,6 +1,7 @@
 """`thetascope run`: run a spec in this process, with the limits and the store of the service."""
 
 import argparse
+import logging
 import shlex
 import sys
 import time
@@ -27,9 +28,11 @@ from thetascope.runs.specs.refusals import InvalidSpec, from_engine, invalid
 from thetascope.runs.specs.resolve_spec import library_experiment, plant_of, resolved, with_changes
 from thetascope.runs.specs.run_requests import parse_request
 from thetascope.settings import Settings, load
-from thetascope.store import Database, RunStore, StoreError
+from thetascope.store import Damaged, Database, RunStore, StoreError
 from thetascope_schemas.experiment.experiment import Experiment, ResolvedExperiment
 from thetascope_schemas.service.comparison import Comparison, ComparisonRow
+
+log = logging.getLogger(__name__)
 
 _STATES = 3  # most states in the table of several observers
 _JUDGED = ("found", "delay", "missed", "false", "wrong")
@@ -68,7 +71,7 @@ def result_of(spec: Experiment, settings: Settings, store: RunStore | None, prog
     """Return the run of a spec, from the store or computed (and then stored)."""
     complete = resolved(spec)
     job = Job(complete.spec_hash(), spec)
-    result = store and store.get_result(job.id, engine_version())
+    result = store and _stored(store, job.id)
     if result is not None:
         return completed(job, result, summarise(result, complete))
     result = compute(job, complete, settings, progress)
@@ -76,6 +79,15 @@ def result_of(spec: Experiment, settings: Settings, store: RunStore | None, prog
     if store is not None:
         _keep(store, finished, say)
     return finished
+
+
+def _stored(store: RunStore, id: str) -> Result | None:
+    """Return the stored result of a run, None also if it is damaged."""
+    try:
+        return store.get_result(id, engine_version())
+    except Damaged as error:
+        log.error("%s", error)
+        return None
 
 
 def compute(job: Job, spec: ResolvedExperiment, settings: Settings, progress: Progress) -> Result:
@@ -110,7 +122,7 @@ def compute(job: Job, spec: ResolvedExperiment, settings: Settings, progress: Pr
 def open_store(settings: Settings, say: Words) -> RunStore | None:
     """Return the store, or None with a warning, since a run does not need it."""
     try:
-        return RunStore(Database(settings.database), settings.store_limit)
+        return RunStore(Database(settings.store), settings.store_limit)
     except StoreError as error:
         print(f"thetascope: {say('cli.run.not-kept', reason=error.text(say.language))}", file=sys.stderr)
         return None

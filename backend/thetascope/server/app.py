@@ -110,7 +110,7 @@ def serve(settings: Settings, ready: Callable[[str], None] = lambda address: Non
     """
     import uvicorn
 
-    Database(settings.database).close()
+    Database(settings.store).close()
     app = create_app(settings)
     config = uvicorn.Config(
         app,

@@ -1,6 +1,7 @@
-"""Store specs, summaries and results of runs in one SQLite file."""
+"""Store specs, summaries and results of runs in an SQLite file or a PostgreSQL database."""
 
-from thetascope.store.database import Database, StoreError
+from thetascope.store.database import Database
+from thetascope.store.errors import Damaged, StoreError
 from thetascope.store.run_store import Record, RunStore
 
-__all__ = ["Database", "Record", "RunStore", "StoreError"]
+__all__ = ["Damaged", "Database", "Record", "RunStore", "StoreError"]

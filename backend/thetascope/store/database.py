@@ -1,129 +1,124 @@
-"""Access one SQLite file from several threads and processes, and migrate it to the current schema."""
+"""Access a store from several threads and processes, and migrate it to the current schema."""
 
-import sqlite3
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from sqlalchemy import Connection, make_url
+from sqlalchemy.exc import ArgumentError, DBAPIError, SQLAlchemyError
+
 from thetascope.messages import Message
+from thetascope.store.errors import StoreError
 from thetascope.store.migrations import MIGRATIONS
+from thetascope.store.postgresql import PostgreSQL
+from thetascope.store.sqlite import SQLite
 
-
-class StoreError(RuntimeError):
-    """The store cannot be used.
-
-    Args:
-        problem: why; its remedy is the message whose code is the problem's plus `.remedy`, with its arguments.
-    """
-
-    def __init__(self, problem: Message) -> None:
-        super().__init__(problem)
-        self.problem = problem
-
-    def text(self, language: str = "en") -> str:
-        """Return `problem; remedy` in a language."""
-        remedy = Message(f"{self.problem.code}.remedy", **self.problem.args)
-        return Message("refusal.sentence", problem=self.problem, remedy=remedy).text(language)
-
-    def __str__(self) -> str:
-        return self.text()
+Backend = SQLite | PostgreSQL
 
 
 class Database:
-    """Two connections to the file, one for writing and one for reading, each with its own lock.
+    """A store: one connection for writing with a lock, and connections for reading.
 
-    The write-ahead log lets reads continue while a large result is written, and lets other processes read and write
-    (they wait for the lock up to `timeout` seconds). A crash loses at most the last transactions, never the file. Lost
-    runs are recomputed from their specs.
+    Args:
+        place: path of an SQLite file, or a URL (`postgresql://…`, `sqlite:///…`).
+        timeout: how long to wait for another process that writes, in seconds.
+        read_only: change nothing; the store must have the current schema.
+
+    Lost runs are recomputed from their specs.
     """
 
-    def __init__(self, path: Path, timeout: float = 10.0) -> None:
-        self.path = path
-        self._timeout = timeout
+    def __init__(self, place: Path | str, timeout: float = 10.0, read_only: bool = False) -> None:
+        self.backend = backend_of(place, timeout, read_only)
+        self.read_only = read_only
         self._locks = {"read": threading.RLock(), "write": threading.RLock()}
+        self._engines = {name: self.backend.engine(name == "write") for name in ("read", "write")}
+        self._held: dict[str, Connection] = {}
         with self._explained():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            write = self._connect()
-            self._connections = {"write": write}
-            migrate(write, path)
-            self._connections["read"] = self._connect()
+            self.backend.prepare()
+        self._migrate()
+
+    @property
+    def place(self) -> str:
+        """The path or address of the store, without a password."""
+        return self.backend.place
 
     @contextmanager
-    def reading(self) -> Iterator[sqlite3.Connection]:
-        """Yield the reading connection, for this thread alone while inside."""
-        with self._locks["read"], self._explained():
-            yield self._connections["read"]
-
-    @contextmanager
-    def writing(self) -> Iterator[sqlite3.Connection]:
-        """Yield the connection in a write transaction; commit at the end, roll back on an error."""
-        with self._locks["write"], self._explained():
-            connection = self._connections["write"]
-            connection.execute("BEGIN IMMEDIATE")
-            try:
+    def reading(self) -> Iterator[Connection]:
+        """Yield a connection for reading, for this thread alone while inside."""
+        if self.backend.shared_reading:
+            with self._explained(), self._engines["read"].connect() as connection:
                 yield connection
-            except BaseException:
-                connection.rollback()
-                raise
-            connection.commit()
+        else:
+            with self._locks["read"], self._explained(), self._connection("read") as connection:
+                yield connection
+
+    @contextmanager
+    def writing(self) -> Iterator[Connection]:
+        """Yield the connection in a write transaction; commit at the end, roll back on an error."""
+        if self.read_only:
+            raise StoreError(Message("store.joined", path=self.place))
+        with self._locks["write"], self._explained(), self._connection("write") as connection:
+            yield connection
 
     def close(self) -> None:
-        """Close both connections; SQLite then merges the log into the file."""
-        for name, connection in self._connections.items():
+        """Close the connections; SQLite then merges the log into the file."""
+        for name, engine in self._engines.items():
             with self._locks[name]:
-                connection.close()
+                connection = self._held.pop(name, None)
+                if connection is not None:
+                    connection.close()
+                engine.dispose()
 
-    def _connect(self) -> sqlite3.Connection:
-        connection = sqlite3.connect(
-            self.path, timeout=self._timeout, isolation_level=None, check_same_thread=False, cached_statements=64
-        )
-        connection.row_factory = sqlite3.Row
-        connection.execute("PRAGMA page_size = 8192")  # applies to a new file; results are megabytes
-        connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
-        connection.execute("PRAGMA journal_mode = WAL")
-        connection.execute("PRAGMA synchronous = NORMAL")
-        return connection
+    @contextmanager
+    def _connection(self, name: str) -> Iterator[Connection]:
+        """Yield the connection that is held for a purpose, in a transaction; connect again if it was lost."""
+        connection = self._held.get(name)
+        if connection is None or connection.closed or connection.invalidated:
+            connection = self._held[name] = self._engines[name].connect()
+        with connection.begin():
+            yield connection
 
     @contextmanager
     def _explained(self) -> Iterator[None]:
         try:
             yield
-        except sqlite3.Error as error:
-            raise StoreError(_explain(self.path, error)) from error
-        except OSError as error:
-            detail = error.strerror or str(error)
-            raise StoreError(Message("store.folder", folder=str(self.path.parent), detail=detail)) from error
+        except (DBAPIError, OSError) as error:
+            raise StoreError(self.backend.explain(error)) from error
+        except SQLAlchemyError as error:
+            raise StoreError(Message("store.damaged", path=self.place, detail=str(error))) from error
+
+    def _migrate(self) -> None:
+        """Apply the migrations that are new to the store; other processes may do so concurrently."""
+        backend = self.backend
+        with self.reading() as connection:
+            version = backend.version(connection)
+        if version == len(MIGRATIONS):
+            return
+        if version > len(MIGRATIONS):
+            raise StoreError(Message("store.newer", path=self.place, version=version, known=len(MIGRATIONS)))
+        with self.writing() as connection:
+            backend.lock_schema(connection)
+            for steps in MIGRATIONS[backend.version(connection) :]:
+                for step in steps:
+                    if callable(step):
+                        step(connection)
+                    else:
+                        connection.exec_driver_sql(backend.translated(step))
+            backend.set_version(connection, len(MIGRATIONS))
 
 
-def migrate(connection: sqlite3.Connection, path: Path) -> None:
-    """Apply the migrations that are new to the file; other processes may do so concurrently."""
-    if _version(connection) == len(MIGRATIONS):
-        return
-    connection.execute("BEGIN IMMEDIATE")
-    version = _version(connection)
-    if version > len(MIGRATIONS):
-        connection.rollback()
-        raise StoreError(Message("store.newer", path=str(path), version=version, known=len(MIGRATIONS)))
-    for statements in MIGRATIONS[version:]:
-        for statement in statements:
-            connection.execute(statement)
-    connection.execute(f"PRAGMA user_version = {len(MIGRATIONS)}")
-    connection.commit()
-
-
-def _version(connection: sqlite3.Connection) -> int:
-    return connection.execute("PRAGMA user_version").fetchone()[0]
-
-
-def _explain(path: Path, error: sqlite3.Error) -> Message:
-    """Return the reason for an SQLite error, derived from its text."""
-    detail = str(error)
-    args = {"path": str(path), "detail": detail}
-    if "locked" in detail or "busy" in detail:
-        return Message("store.locked", **args)
-    if "unable to open" in detail or "readonly" in detail:
-        return Message("store.read-only", **args)
-    if "full" in detail:
-        return Message("store.disk-full", **args)
-    return Message("store.damaged", **args)
+def backend_of(place: Path | str, timeout: float, read_only: bool) -> Backend:
+    """Return the kind of database that a path or URL names. Raises StoreError for other kinds."""
+    if isinstance(place, Path) or "://" not in place:
+        return SQLite(Path(place), timeout, read_only)
+    try:
+        url = make_url(place)
+    except ArgumentError:
+        raise StoreError(Message("store.address", path=place.partition("@")[2] or place)) from None
+    kind = url.drivername.partition("+")[0]
+    if kind in ("postgresql", "postgres"):
+        return PostgreSQL(url, timeout, read_only)
+    if kind == "sqlite" and url.database:
+        return SQLite(Path(url.database), timeout, read_only)
+    raise StoreError(Message("store.address", path=url.render_as_string(hide_password=True)))

@@ -1,8 +1,27 @@
-"""The tables as a list of migrations: entry n upgrades a file from version n to n + 1. Entries are never edited."""
+"""The tables as a list of migrations: entry n upgrades a store from version n to n + 1. Entries are never edited."""
 
-#: Specs are kept. Results can be recomputed and are deleted to free space, so they are a separate table. The blob is
-#: the last column of its row, so that reading the other columns does not read it.
-MIGRATIONS: tuple[tuple[str, ...], ...] = (
+from collections.abc import Callable
+
+from sqlalchemy import Connection, select, update
+
+from thetascope.store.tables import RESULTS, RUNS, outcome_sum, result_sum, spec_sum
+
+
+def add_checksums(connection: Connection) -> None:
+    """Give the rows of an earlier version checksums, one row after the other."""
+    columns = (RUNS.c.spec, RUNS.c.title, RUNS.c.status, RUNS.c.error, RUNS.c.summary, RUNS.c.engine)
+    for id in connection.execute(select(RUNS.c.id)).scalars().all():
+        spec, title, *outcome = connection.execute(select(*columns).where(RUNS.c.id == id)).one()
+        sums = {"spec_sum": spec_sum(id, spec, title), "outcome_sum": outcome_sum(id, *outcome)}
+        connection.execute(update(RUNS).where(RUNS.c.id == id).values(**sums))
+    for id, engine in connection.execute(select(RESULTS.c.id, RESULTS.c.engine)).all():
+        place = (RESULTS.c.id == id) & (RESULTS.c.engine == engine)
+        row = connection.execute(select(RESULTS.c.rows, RESULTS.c.head, RESULTS.c.data).where(place)).one()
+        connection.execute(update(RESULTS).where(place).values(checksum=result_sum(id, engine, *row)))
+
+
+#: SQL for SQLite, whose types are translated for other databases, and functions for what SQL cannot do.
+MIGRATIONS: tuple[tuple[str | Callable[[Connection], None], ...], ...] = (
     (
         """CREATE TABLE runs (
             id TEXT PRIMARY KEY,
@@ -27,5 +46,13 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
             PRIMARY KEY (id, engine)
         )""",
         "CREATE INDEX results_used ON results (used, size)",
+    ),
+    (
+        "ALTER TABLE runs ADD COLUMN spec_sum TEXT",
+        "ALTER TABLE runs ADD COLUMN outcome_sum TEXT",
+        "ALTER TABLE results ADD COLUMN checksum TEXT",
+        "CREATE TABLE owners (run TEXT NOT NULL, owner TEXT NOT NULL, PRIMARY KEY (run, owner))",
+        "CREATE INDEX owners_owner ON owners (owner)",
+        add_checksums,
     ),
 )

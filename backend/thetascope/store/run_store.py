@@ -1,24 +1,62 @@
 """Runs in the store: one row per spec, and its result while space permits."""
 
 import json
-import sqlite3
+import logging
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
+
+from sqlalchemy import Connection, Row, Table, bindparam, delete, desc, func, select, update
+from sqlalchemy.dialects import postgresql, sqlite
 
 from thetascope.engine.model.result import Result
+from thetascope.messages import Message
+from thetascope.store.damaged_rows import rows_one_by_one
 from thetascope.store.database import Database
 from thetascope.store.encoding import decode, encode
+from thetascope.store.errors import Damaged, StoreError
+from thetascope.store.tables import OWNERS, RESULTS, RUNS, outcome_sum, result_sum, spec_sum
 from thetascope_schemas.service.run import Status
+
+log = logging.getLogger(__name__)
 
 #: A result's time of last use is written at most this often, so that reading does not become writing.
 _TOUCH_SECONDS = 60.0
-_BRIEF = "id, title, status, error, summary, engine, created, pinned"
+_LATEST = 253402300800.0  # the year 10000
+_BY_ID = RUNS.c.id == bindparam("id")
+_RESULT = (RESULTS.c.id == bindparam("id")) & (RESULTS.c.engine == bindparam("engine"))
+_GET = select(RUNS).where(_BY_ID)
+_PAGE = select(RUNS).order_by(desc(RUNS.c.created), RUNS.c.id).limit(bindparam("limit")).offset(bindparam("offset"))
+_GET_RESULT = select(RESULTS.c.rows, RESULTS.c.head, RESULTS.c.data, RESULTS.c.checksum, RESULTS.c.used).where(_RESULT)
+_HAS_RESULT = select(1).where(_RESULT)
+_COUNT = select(func.count()).select_from(RUNS)
+_SUMS = select(func.count(), func.coalesce(func.sum(RESULTS.c.size), 0))
+_CHANGED = ("spec", "title", "status", "error", "summary", "engine", "spec_sum", "outcome_sum")
+
+
+def _upserts(table: Table, changed: Sequence[str]) -> dict[str, Any]:
+    """Return for each kind of database the statement that inserts a row, or changes columns of the present one."""
+    statements = {"sqlite": sqlite.insert(table), "postgresql": postgresql.insert(table)}
+    return {
+        kind: statement.on_conflict_do_update(
+            index_elements=list(table.primary_key), set_={name: statement.excluded[name] for name in changed}
+        )
+        for kind, statement in statements.items()
+    }
+
+
+_PUT = _upserts(RUNS, _CHANGED)  # not the time of creation, nor the pin
+_PUT_RESULT = _upserts(RESULTS, ("used", "size", "rows", "head", "data", "checksum"))
 
 
 @dataclass(frozen=True)
 class Record:
-    """A stored run without its result. `spec` is the experiment as JSON text, empty in listings."""
+    """A stored run without its result. `spec` is the experiment as JSON text, empty in listings.
+
+    `damaged`: a checksum does not fit. Only the fields that a listing shows are filled in then, and `spec`, if it is
+    undamaged itself.
+    """
 
     id: str
     spec: str
@@ -29,140 +67,206 @@ class Record:
     error: dict[str, Any] | None = None
     summary: dict[str, Any] | None = None
     pinned: bool = False
+    damaged: bool = False
 
 
 class RunStore:
     """Reads and writes runs. A result belongs to a run and to the version of the engine that computed it.
 
-    `limit` is the space for results in bytes: beyond it, the least recently used results of unpinned runs are deleted.
+    What is read has the checksum with which it was written. `limit` is the space for results in bytes: beyond it, the
+    least recently used results of unpinned runs are deleted.
     """
 
     def __init__(self, database: Database, limit: int) -> None:
         self._database = database
         self._limit = limit
 
+    @property
+    def read_only(self) -> bool:
+        """Whether nothing can be written."""
+        return self._database.read_only
+
     def put(self, record: Record) -> None:
         """Insert or update a run; an existing one keeps its time of creation and its pin."""
-        values = (
-            record.id,
-            record.spec,
-            record.title,
-            record.status,
-            _dump(record.error),
-            _dump(record.summary),
-            record.engine,
-            record.created,
-            record.pinned,
-        )
+        title = record.title.replace("\0", "\ufffd")  # PostgreSQL has no text with this character
+        outcome = (record.status, _dump(record.error), _dump(record.summary), record.engine)
+        changed = {
+            "spec": record.spec,
+            "title": title,
+            **dict(zip(_CHANGED[2:6], outcome, strict=True)),
+            "spec_sum": spec_sum(record.id, record.spec, title),
+            "outcome_sum": outcome_sum(record.id, *outcome),
+        }
         with self._database.writing() as connection:
-            connection.execute(
-                """INSERT INTO runs (id, spec, title, status, error, summary, engine, created, pinned)
-                VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET
-                spec = excluded.spec, title = excluded.title, status = excluded.status, error = excluded.error,
-                summary = excluded.summary, engine = excluded.engine""",
-                values,
-            )
+            row = {"id": record.id, "created": record.created, "pinned": int(record.pinned), **changed}
+            connection.execute(_PUT[connection.dialect.name], row)
 
     def get(self, id: str) -> Record | None:
-        """Return a run with its spec, or None if there is no such run."""
+        """Return a run with its spec, or None if there is no such run. Raises Damaged if its spec is damaged."""
         with self._database.reading() as connection:
-            row = connection.execute(f"SELECT spec, {_BRIEF} FROM runs WHERE id = ?", (id,)).fetchone()
-        return _record(row) if row else None
+            row = connection.execute(_GET, {"id": id}).one_or_none()
+        if row is None:
+            return None
+        if not _has_spec(row):
+            raise Damaged(Message("store.spec-damaged", id=id[:64]))
+        return _record(row)
 
     def page(self, limit: int = 100, offset: int = 0) -> list[Record]:
-        """Return runs without their specs, newest first."""
-        query = f"SELECT '' AS spec, {_BRIEF} FROM runs ORDER BY created DESC, id LIMIT ? OFFSET ?"
-        with self._database.reading() as connection:
-            return [_record(row) for row in connection.execute(query, (limit, offset))]
+        """Return runs without their specs, summaries and errors, newest first. Damaged ones are marked as such."""
+        try:
+            with self._database.reading() as connection:
+                rows = connection.execute(_PAGE, {"limit": limit, "offset": offset}).all()
+        except StoreError as error:
+            log.error("%s", error)
+            rows = rows_one_by_one(self._database, limit, offset)
+        return [_listed(row) for row in rows]
 
     def ids(self, prefix: str, limit: int = 3) -> list[str]:
         """Return ids that start with `prefix`, to suggest for a mistyped one."""
-        query = "SELECT id FROM runs WHERE substr(id, 1, ?) = ? ORDER BY created DESC LIMIT ?"
+        begins = func.substr(RUNS.c.id, 1, len(prefix)) == prefix
+        query = select(RUNS.c.id).where(begins).order_by(desc(RUNS.c.created)).limit(limit)
         with self._database.reading() as connection:
-            return [row["id"] for row in connection.execute(query, (len(prefix), prefix, limit))]
+            return list(connection.execute(query).scalars())
 
     def pin(self, id: str, pinned: bool) -> bool:
         """Keep the run's result, or allow its deletion again. Return False if the run does not exist."""
         with self._database.writing() as connection:
-            return connection.execute("UPDATE runs SET pinned = ? WHERE id = ?", (pinned, id)).rowcount > 0
+            change = update(RUNS).where(RUNS.c.id == id).values(pinned=int(pinned))
+            return connection.execute(change).rowcount > 0
 
     def delete(self, id: str) -> bool:
-        """Remove the run, its spec and its results. Return False if the run does not exist."""
+        """Remove the run, its spec, results and owners. Return False if the run does not exist."""
         with self._database.writing() as connection:
-            connection.execute("DELETE FROM results WHERE id = ?", (id,))
-            return connection.execute("DELETE FROM runs WHERE id = ?", (id,)).rowcount > 0
+            connection.execute(delete(RESULTS).where(RESULTS.c.id == id))
+            connection.execute(delete(OWNERS).where(OWNERS.c.run == id))
+            return connection.execute(delete(RUNS).where(RUNS.c.id == id)).rowcount > 0
 
     def interrupted(self, error: dict[str, Any]) -> None:
         """Mark runs as failed that an earlier server accepted and did not finish."""
+        columns = (RUNS.c.id, RUNS.c.summary, RUNS.c.engine)
         with self._database.writing() as connection:
-            connection.execute(
-                "UPDATE runs SET status = 'failed', error = ? WHERE status IN ('queued', 'running')", (_dump(error),)
-            )
+            active = select(*columns).where(RUNS.c.status.in_(("queued", "running")))
+            for id, summary, engine in connection.execute(active).all():
+                outcome = ("failed", _dump(error), summary, engine)
+                change = {"status": "failed", "error": outcome[1], "outcome_sum": outcome_sum(id, *outcome)}
+                connection.execute(update(RUNS).where(RUNS.c.id == id).values(**change))
 
     def put_result(self, id: str, engine: str, result: Result) -> bool:
         """Store a result, deleting others if space is short. Return False, storing nothing, if it exceeds the limit."""
-        head, data = encode(result)
-        size = len(head) + data.nbytes
+        head, array = encode(result)
+        size, rows = len(head) + array.nbytes, result.data.shape[1]
         if size > self._limit:
             return False
+        data = array.reshape(-1).view("u1").data
+        row = {"used": time.time(), "size": size, "rows": rows, "head": head, "data": data}
+        row["checksum"] = result_sum(id, engine, rows, head, data)
         with self._database.writing() as connection:
-            connection.execute(
-                "INSERT OR REPLACE INTO results (id, engine, used, size, rows, head, data) VALUES (?,?,?,?,?,?,?)",
-                (id, engine, time.time(), size, result.data.shape[1], head, data),
-            )
+            connection.execute(_PUT_RESULT[connection.dialect.name], {"id": id, "engine": engine, **row})
             self._evict(connection)
         return True
 
     def get_result(self, id: str, engine: str) -> Result | None:
-        """Return the run's result, bit-identical to what this engine computed, or None if it is not stored."""
+        """Return the run's result, bit-identical to what this engine computed, or None if it is not stored.
+
+        Raises Damaged for a result without its checksum, which is removed so that it is computed again.
+        """
         with self._database.reading() as connection:
-            row = connection.execute(
-                "SELECT head, rows, data, used FROM results WHERE id = ? AND engine = ?", (id, engine)
-            ).fetchone()
+            row = connection.execute(_GET_RESULT, {"id": id, "engine": engine}).one_or_none()
         if row is None:
             return None
+        rows, head, data, checksum, used = row
+        if checksum != result_sum(id, engine, rows, head, data):
+            self._drop(id, engine)
+            raise Damaged(Message("store.result-damaged", id=id[:64]))
         now = time.time()
-        if now - row["used"] > _TOUCH_SECONDS:
+        if not self.read_only and not (isinstance(used, float) and 0 <= now - used <= _TOUCH_SECONDS):
             with self._database.writing() as connection:
-                connection.execute("UPDATE results SET used = ? WHERE id = ? AND engine = ?", (now, id, engine))
-        return decode(row["head"], row["data"], row["rows"])
+                connection.execute(update(RESULTS).where(_result(id, engine)).values(used=now))
+        return decode(head, data, rows)
 
     def has_result(self, id: str, engine: str) -> bool:
         """Return whether the run has a result that this version of the engine computed."""
         with self._database.reading() as connection:
-            query = "SELECT 1 FROM results WHERE id = ? AND engine = ?"
-            return connection.execute(query, (id, engine)).fetchone() is not None
+            return connection.execute(_HAS_RESULT, {"id": id, "engine": engine}).one_or_none() is not None
 
     def usage(self) -> dict[str, int]:
         """Return the number of stored runs and results, and the bytes of the results with their limit."""
         with self._database.reading() as connection:
-            runs = connection.execute("SELECT count(*) FROM runs").fetchone()[0]
-            results, size = connection.execute("SELECT count(*), coalesce(sum(size), 0) FROM results").fetchone()
-        return {"runs": runs, "results": results, "bytes": size, "limit": self._limit}
+            runs = connection.execute(_COUNT).scalar_one()
+            results, size = connection.execute(_SUMS).one()
+        return {"runs": runs, "results": results, "bytes": int(size), "limit": self._limit}
 
-    def _evict(self, connection: sqlite3.Connection) -> None:
+    def _drop(self, id: str, engine: str) -> None:
+        """Remove a damaged result, if the store can be written."""
+        log.error("%s", Message("store.result-damaged", id=id))
+        try:
+            with self._database.writing() as connection:
+                connection.execute(delete(RESULTS).where(_result(id, engine)))
+        except StoreError as error:
+            log.error("%s", error)
+
+    def _evict(self, connection: Connection) -> None:
         """Delete the least recently used results until the rest fits. Pinned ones stay even beyond the limit."""
-        excess = connection.execute("SELECT coalesce(sum(size), 0) FROM results").fetchone()[0] - self._limit
+        total = connection.execute(select(func.coalesce(func.sum(RESULTS.c.size), 0))).scalar_one()
+        excess = int(total) - self._limit
         if excess <= 0:
             return
-        candidates = connection.execute(
-            """SELECT results.id, results.engine, results.size FROM results LEFT JOIN runs ON runs.id = results.id
-            WHERE coalesce(runs.pinned, 0) = 0 ORDER BY results.used"""
-        ).fetchall()
-        for id, engine, size in candidates:
+        candidates = (
+            select(RESULTS.c.id, RESULTS.c.engine, RESULTS.c.size)
+            .select_from(RESULTS.outerjoin(RUNS, RUNS.c.id == RESULTS.c.id))
+            .where(func.coalesce(RUNS.c.pinned, 0) == 0)
+            .order_by(RESULTS.c.used)
+        )
+        for id, engine, size in connection.execute(candidates).all():
             if excess <= 0:
                 break
-            connection.execute("DELETE FROM results WHERE id = ? AND engine = ?", (id, engine))
+            connection.execute(delete(RESULTS).where(_result(id, engine)))
             excess -= size
+
+
+def _result(id: str, engine: str):
+    """Return the condition for the row of a result."""
+    return (RESULTS.c.id == id) & (RESULTS.c.engine == engine)
 
 
 def _dump(value: dict[str, Any] | None) -> str | None:
     return None if value is None else json.dumps(value)
 
 
-def _record(row: sqlite3.Row) -> Record:
-    values = dict(row)
-    for name in ("error", "summary"):
-        values[name] = None if values[name] is None else json.loads(values[name])
-    values["pinned"] = bool(values["pinned"])
-    return Record(**values)
+def _has_spec(row: Row) -> bool:
+    return row.spec_sum == spec_sum(row.id, row.spec, row.title)
+
+
+def _is_whole(row: Row) -> bool:
+    """Return whether a row is what was written."""
+    fits = row.outcome_sum == outcome_sum(row.id, row.status, row.error, row.summary, row.engine)
+    return fits and _has_spec(row) and isinstance(row.created, float | int) and 0 <= row.created < _LATEST
+
+
+def _record(row: Row) -> Record:
+    """Return the record of a run whose spec is undamaged."""
+    if not _is_whole(row):
+        return _damaged(row, row.spec)
+    error, summary = (None if text is None else json.loads(text) for text in (row.error, row.summary))
+    pinned = bool(row.pinned)
+    return Record(row.id, row.spec, row.title, row.status, row.engine, row.created, error, summary, pinned)
+
+
+def _listed(row: Row) -> Record:
+    if not _is_whole(row):
+        return _damaged(row)
+    return Record(row.id, "", row.title, row.status, row.engine, row.created, pinned=bool(row.pinned))
+
+
+def _damaged(row: Row, spec: str = "") -> Record:
+    """Return the fields of a damaged row that can be shown."""
+    right = isinstance(row.created, float | int) and 0 <= row.created < _LATEST
+    created = float(row.created) if right else 0.0
+    status = row.status if row.status in get_args(Status) else "failed"
+    title = row.title if _has_spec(row) else ""
+    return Record(_shown(row.id), spec, title, status, "", created, pinned=bool(row.pinned), damaged=True)
+
+
+def _shown(text: object) -> str:
+    """Return a text of a damaged row as characters that can be sent."""
+    return text.encode("utf-8", "replace").decode("utf-8") if isinstance(text, str) else ""

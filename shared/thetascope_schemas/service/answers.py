@@ -306,7 +306,9 @@ class RunLine(Strict):
 
     id: str
     title: str
-    status: Status
+    status: Status | Literal["damaged"] = Field(
+        description="damaged: what is stored does not have its checksum; run the experiment again, or remove the run."
+    )
     created: datetime
     pinned: bool
     links: dict[str, str]

@@ -77,7 +77,7 @@ def listed(run: Snapshot | Record, language: str) -> dict[str, object]:
     return {
         "id": run.id,
         "title": title_of(run, language),
-        "status": run.status,
+        "status": "damaged" if isinstance(run, Record) and run.damaged else run.status,
         "created": created,
         "pinned": run.pinned,
         "links": run_links(run.id),

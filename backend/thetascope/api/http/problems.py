@@ -15,7 +15,7 @@ from thetascope.messages import Message, words
 from thetascope.runs.specs.problem_documents import problem, refused
 from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Refusal, Unknown, from_engine
 from thetascope.runs.workers.limits import Crashed, LimitReached
-from thetascope.store import StoreError
+from thetascope.store import Damaged, StoreError
 from thetascope_schemas.service.field_error import field_errors
 from thetascope_schemas.service.run import Problem
 
@@ -125,7 +125,8 @@ def methods_of(request: Request) -> list[str]:
 
 async def _store(request: Request, error: StoreError) -> Response:
     log.error("%s", error)
-    return problem_response(problem(503, error.problem, language=language_of(request)))
+    status = 500 if isinstance(error, Damaged) else 503
+    return problem_response(problem(status, error.problem, language=language_of(request)))
 
 
 async def _gone(request: Request, error: ClientDisconnect) -> Response:

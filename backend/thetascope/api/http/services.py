@@ -30,7 +30,7 @@ class Services:
     @classmethod
     def start(cls, settings: Settings) -> "Services":
         """Open the store and start the manager. Raises StoreError."""
-        database = Database(settings.database)
+        database = Database(settings.store)
         preload(PRELOADED)
         limits = Limits(settings.job_seconds, settings.job_cpu, settings.job_memory)
         workers = Workers(settings.workers, limits, settings.queue)

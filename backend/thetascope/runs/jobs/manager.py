@@ -1,5 +1,7 @@
 """The run manager: access to every run, whether active, in memory or in the store."""
 
+import logging
+from contextlib import suppress
 from dataclasses import replace
 from threading import Lock
 
@@ -15,8 +17,10 @@ from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Unknown
 from thetascope.runs.specs.resolve_spec import resolved
 from thetascope.runs.workers.pool import Workers
 from thetascope.settings import Settings
-from thetascope.store import Record, RunStore
+from thetascope.store import Damaged, Record, RunStore
 from thetascope_schemas.experiment.experiment import Experiment
+
+log = logging.getLogger(__name__)
 
 
 class RunManager:
@@ -35,7 +39,8 @@ class RunManager:
         self._lock = Lock()
         self._writer = Writer()
         self._execution = Execution(settings, workers, self._end)
-        store.interrupted(INTERRUPTED.model_dump(mode="json"))
+        if not store.read_only:
+            store.interrupted(INTERRUPTED.model_dump(mode="json"))
 
     def submit(self, spec: Experiment, client: str = "") -> Snapshot | Job:
         """Return the run of a spec for a client: a snapshot if it has a result, else the job that computes it.
@@ -46,7 +51,7 @@ class RunManager:
         """
         complete = resolved(spec)
         id = complete.spec_hash()
-        known = self._known(id)
+        known = self._readable(id)
         if known is not None and self._has_result(known):
             return self._with_posted_spec(known, spec)
         kept = {} if known is None else {"created": known.created, "pinned": known.pinned}
@@ -134,7 +139,8 @@ class RunManager:
 
     def remove(self, id: str) -> None:
         """Remove a run that has ended, with its spec. Raises :class:`Unknown`."""
-        self.get(id)
+        with suppress(Damaged):
+            self.get(id)
         self._memory.remove(id)
         self._writer.now(lambda: self._store.delete(id))
 
@@ -172,6 +178,14 @@ class RunManager:
             return entry.snapshot
         record = self._store.get(id)
         return None if record is None else snapshot_of(record)
+
+    def _readable(self, id: str) -> Snapshot | None:
+        """Return the run from memory or from the store; None for one that is damaged, which is replaced."""
+        try:
+            return self._known(id)
+        except Damaged as error:
+            log.error("%s", error)
+            return None
 
     def _has_result(self, snapshot: Snapshot) -> bool:
         if snapshot.status != "done":

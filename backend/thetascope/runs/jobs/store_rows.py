@@ -46,10 +46,14 @@ def _written(title: str) -> str:
 
 
 def snapshot_of(record: Record) -> Snapshot:
-    """Return the run that a row stores."""
+    """Return the run that a row stores; one whose outcome is damaged has failed, and can be run again."""
+    spec = Experiment.model_validate_json(record.spec)
+    if record.damaged:
+        why = problem(500, Message("store.run-damaged", id=record.id))
+        return Snapshot(record.id, spec, "failed", record.created, problem=why, pinned=record.pinned)
     return Snapshot(
         id=record.id,
-        spec=Experiment.model_validate_json(record.spec),
+        spec=spec,
         status=record.status,
         created=record.created,
         progress=1.0 if record.status == "done" else 0.0,

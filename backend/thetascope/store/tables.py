@@ -1,0 +1,99 @@
+"""The tables of the newest schema, and the checksums of their rows."""
+
+import hashlib
+import json
+from collections.abc import Callable
+from typing import Any
+
+from sqlalchemy import Column, Dialect, Float, LargeBinary, MetaData, Table, Text
+from sqlalchemy.types import BigInteger
+
+
+class Blob(LargeBinary):
+    """Bytes that are written from a buffer, and read as the driver returns them: a damaged row may hold other types."""
+
+    cache_ok = True
+
+    def bind_processor(self, dialect: Dialect) -> Callable[..., Any] | None:
+        """Return how a value is passed to the driver: SQLite reads from the buffer itself."""
+        return None if dialect.name == "sqlite" else bytes
+
+    def result_processor(self, dialect: Dialect, coltype: object) -> None:
+        """Return that values are left as they are."""
+        return
+
+
+METADATA = MetaData()
+
+#: Specs are kept. `spec_sum` and `outcome_sum` are checksums of what is posted and of what is computed. `created` and
+#: `pinned` change without the rest and are in neither.
+RUNS = Table(
+    "runs",
+    METADATA,
+    Column("id", Text, primary_key=True),
+    Column("spec", Text, nullable=False),
+    Column("title", Text, nullable=False),
+    Column("status", Text, nullable=False),
+    Column("error", Text),
+    Column("summary", Text),
+    Column("engine", Text, nullable=False),
+    Column("created", Float, nullable=False),
+    Column("pinned", BigInteger, nullable=False),
+    Column("spec_sum", Text),
+    Column("outcome_sum", Text),
+)
+
+#: Results can be computed again, and are deleted to free space.
+RESULTS = Table(
+    "results",
+    METADATA,
+    Column("id", Text, primary_key=True),
+    Column("engine", Text, primary_key=True),
+    Column("used", Float, nullable=False),
+    Column("size", BigInteger, nullable=False),
+    Column("rows", BigInteger, nullable=False),
+    Column("head", Text, nullable=False),
+    Column("data", Blob, nullable=False),
+    Column("checksum", Text),
+)
+
+#: Who posted a run: equal experiments share one row of `runs`, so a run may have several owners, or none.
+OWNERS = Table(
+    "owners",
+    METADATA,
+    Column("run", Text, primary_key=True),
+    Column("owner", Text, primary_key=True),
+)
+
+
+def checksum(*parts: object) -> str:
+    """Return the SHA-256 of texts, bytes, numbers and None, in hexadecimal digits. Types and lengths count, too."""
+    digest, short = hashlib.sha256(), []
+    for part in parts:
+        if part is None:
+            short.append(b"n0:")
+        elif isinstance(part, bytes | memoryview):
+            digest.update(b"".join((*short, b"b%d:" % len(part))))
+            digest.update(part)
+            short = []
+        else:
+            kind = b"s" if isinstance(part, str) else b"j"
+            data = (part if isinstance(part, str) else json.dumps(part)).encode("utf-8", "surrogateescape")
+            short += (kind, b"%d:" % len(data), data)
+    digest.update(b"".join(short))
+    return digest.hexdigest()
+
+
+def spec_sum(id: str, spec: object, title: object) -> str:
+    """Return the checksum of the experiment of a run."""
+    return checksum(id, spec, title)
+
+
+def outcome_sum(id: str, status: object, error: object, summary: object, engine: object) -> str:
+    """Return the checksum of the outcome of a run."""
+    return checksum(id, status, error, summary, engine)
+
+
+def result_sum(id: str, engine: str, rows: object, head: object, data: object) -> str:
+    """Return the checksum of a result."""
+    return checksum(id, engine, rows, head, data)

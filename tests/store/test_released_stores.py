@@ -1,0 +1,72 @@
+"""Stores that released versions wrote. `released/schema-1.sqlite` was written by the service when the schema had
+version 1: a pinned run with its result, a cancelled run, and one that a kill -9 of the service cut off. The CSV is the
+answer of that service to /api/runs/{id}/data."""
+
+import shutil
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from thetascope.export import csv_chunks, select
+from thetascope.runs.jobs.store_rows import INTERRUPTED, snapshot_of
+from thetascope.store import Database, RunStore, StoreError
+
+RELEASED = Path(__file__).parent / "released"
+DONE, CANCELLED, QUEUED = (
+    "e3e26c02e2c4a9915a2907173aa306db",
+    "2ab923d24f1f3b873a69e19992f5e21e",
+    "9b2e67eb63ef710837019ce72a8ddde7",
+)
+ENGINE = "b079398157ae2a57"
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """Return a copy of the store of schema 1."""
+    return Path(shutil.copy(RELEASED / "schema-1.sqlite", tmp_path / "runs.sqlite"))
+
+
+def test_a_store_of_schema_1_opens_with_all_its_runs_and_numbers(path):
+    """The result is the CSV that the service of that time answered; specs, summary, pin and states are kept."""
+    database = Database(path)
+    store = RunStore(database, 10**9)
+    assert [(run.id, run.status, run.damaged, run.pinned) for run in store.page()] == [
+        (QUEUED, "queued", False, False),
+        (CANCELLED, "cancelled", False, False),
+        (DONE, "done", False, True),
+    ]
+    result = store.get_result(DONE, ENGINE)
+    assert b"".join(csv_chunks(select(result))) == (RELEASED / "schema-1.csv").read_bytes()
+    snapshot = snapshot_of(store.get(DONE))
+    assert snapshot.summary.rows == 41 and snapshot.spec.horizon == 2
+    assert snapshot.spec.title is not None
+    store.interrupted(INTERRUPTED.model_dump(mode="json"))
+    assert snapshot_of(store.get(QUEUED)).problem.code == "run.interrupted"
+    database.close()
+
+
+def test_an_upgraded_store_has_the_schema_of_a_new_one(path, tmp_path):
+    """Columns and indexes are equal, so that later versions need to know one schema only."""
+    schemas = []
+    for place in (path, tmp_path / "new.sqlite"):
+        database = Database(place)
+        with database.reading() as connection:
+            query = "SELECT type, name, tbl_name, sql FROM sqlite_master ORDER BY name"
+            schemas.append([tuple(row) for row in connection.exec_driver_sql(query)])
+        database.close()
+    assert schemas[0] == schemas[1] and len(schemas[0]) > 5
+
+
+def test_a_damaged_file_of_schema_1_is_refused_and_unchanged(path):
+    """An upgrade in one transaction: nothing of it remains if the file cannot be read."""
+    content = bytearray(path.read_bytes())
+    page = content.index(QUEUED.encode() + b"{") // 8192 * 8192
+    content[page : page + 8] = b"\xff" * 8
+    path.write_bytes(content)
+    with pytest.raises(StoreError, match="is damaged"):
+        Database(path)
+    with closing(sqlite3.connect(path)) as connection:
+        assert connection.execute("PRAGMA user_version").fetchone()[0] == 1
+        assert connection.execute("SELECT count(*) FROM sqlite_master WHERE name = 'owners'").fetchone()[0] == 0
