@@ -71,6 +71,22 @@ class ExpressionError(SpecError):
         )
 
 
+class FolderRefused(ThetascopeError):
+    """A folder for files that are executed, in which somebody else could write; the message has a remedy."""
+
+    def __init__(self, problem: Message) -> None:
+        super().__init__(problem)
+        self.problem = problem
+
+    def text(self, language: str = "en") -> str:
+        """Return `problem; remedy` in a language."""
+        remedy = Message(f"{self.problem.code}.remedy", **self.problem.args)
+        return Message("refusal.sentence", problem=self.problem, remedy=remedy).text(language)
+
+    def __str__(self) -> str:
+        return self.text()
+
+
 class Cancelled(ThetascopeError):
     """The run was cancelled."""
 

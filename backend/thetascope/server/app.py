@@ -30,6 +30,7 @@ from thetascope.api.routes import (
     runs,
     sessions,
 )
+from thetascope.engine.compiler import cache
 from thetascope.runs.results.engine_version import engine_version
 from thetascope.server import prewarm
 from thetascope.settings import Settings, load
@@ -106,10 +107,11 @@ def _api() -> APIRouter:
 def serve(settings: Settings, ready: Callable[[str], None] = lambda address: None) -> None:
     """Serve until interrupted; `ready` is called with the page's address as soon as requests are answered.
 
-    Raises StoreError before listening if the store cannot be used.
+    Raises StoreError or FolderRefused before listening if the store or the cache cannot be used.
     """
     import uvicorn
 
+    cache.folder()
     Database(settings.store).close()
     app = create_app(settings)
     config = uvicorn.Config(

@@ -1,7 +1,11 @@
-"""Disk cache of object code and lowered programs, by the hash of their source. It may be deleted at any time."""
+"""Disk cache of object code and lowered programs, by the hash of their source. It may be deleted at any time.
+
+Object code is executed, and programs become code: a file is only read if it carries the key of this installation.
+"""
 
 import contextlib
 import hashlib
+import hmac
 import os
 import tempfile
 import threading
@@ -9,15 +13,23 @@ from functools import lru_cache
 from pathlib import Path
 from weakref import WeakValueDictionary
 
+from thetascope.engine.compiler.cache_folder import key as secret
+from thetascope.engine.compiler.cache_folder import protect
+
 _lock = threading.Lock()
 _locks: "WeakValueDictionary[str, threading.RLock]" = WeakValueDictionary()
 
 
 @lru_cache(maxsize=1)
 def folder() -> Path:
-    """Return the cache folder: THETASCOPE_CACHE, else `thetascope` in the user's cache folder."""
+    """Return the cache folder: THETASCOPE_CACHE, else `thetascope` in the user's cache folder.
+
+    Raises FolderRefused if somebody else could write in it.
+    """
     named = os.environ.get("THETASCOPE_CACHE")
-    return Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "thetascope"
+    base = Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "thetascope"
+    protect(base)
+    return base
 
 
 def lock(key: str) -> threading.RLock:
@@ -27,28 +39,42 @@ def lock(key: str) -> threading.RLock:
 
 
 def read(kind: str, key: str) -> bytes | None:
-    """Return the bytes stored under a key, or None. An unreadable or damaged file counts as absent."""
+    """Return the bytes stored under a key, or None.
+
+    A file that is damaged, or that was not written under this key by this installation, counts as absent.
+    """
+    place = folder()
     try:
-        content = (folder() / kind / key).read_bytes()
+        content = (place / kind / key).read_bytes()
     except OSError:
         return None
-    digest, body = content[:32], content[32:]
-    return body if hashlib.sha256(body).digest() == digest else None
+    body = memoryview(content)[32:]
+    return bytes(body) if hmac.compare_digest(_seal(place, kind, key, body), content[:32]) else None
 
 
 def write(kind: str, key: str, body: bytes) -> None:
     """Store bytes under a key, atomically even with concurrent writers. A full or read-only disk is not an error."""
-    place = folder() / kind
+    base = folder()
+    place = base / kind
     with contextlib.suppress(OSError):
-        place.mkdir(parents=True, exist_ok=True)
+        if not place.is_dir():
+            protect(base)
+            place.mkdir(mode=0o700, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=place)
         try:
             with os.fdopen(handle, "wb") as file:
-                file.write(hashlib.sha256(body).digest() + body)
+                file.write(_seal(base, kind, key, body) + body)
             os.replace(name, place / key)
         except OSError:
             with contextlib.suppress(OSError):
                 os.unlink(name)
+
+
+def _seal(place: Path, kind: str, key: str, body: bytes | memoryview) -> bytes:
+    """Return the code that authenticates a file: HMAC-SHA-256 of its kind, key and content (RFC 2104)."""
+    code = hmac.new(secret(place), f"{kind}\0{key}\0".encode(), "sha256")
+    code.update(body)
+    return code.digest()
 
 
 def digest_of(folder: Path, pattern: str = "*.py") -> str:
