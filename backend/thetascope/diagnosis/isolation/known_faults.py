@@ -59,12 +59,12 @@ def commit_fit(state: DecisionState, evidence: Evidence, fit: Explanation) -> St
         channel = state.findings[i].channel
         if channel is not None:
             state = with_finding(state, i, replace(state.findings[i], size=float(known.level[channel])))
-    over = []
+    over, refined = [], {}
     for k, event in enumerate(fit.events):
         i = next((entry.finding for entry in entries if entry.event == event), None)
         if i is None:  # merged into another event, which will be estimated again
             continue
-        deviation, shift = (yield from _deviation(state, evidence, window, fit, k, i, before)), 0.0
+        deviation = yield from _deviation(state, evidence, window, fit, k, i, before)
         # whether it is over does not depend on when it began
         vanished_size = _size_if_vanished(
             state, event, i, deviation, before.get(i, state.findings[i]), state.at - fit.onset
@@ -77,14 +77,31 @@ def commit_fit(state: DecisionState, evidence: Evidence, fit: Explanation) -> St
         else:
             if not event.rise_time:
                 own = next(entry.own for entry in entries if entry.event == event)
-                state, shift, deviation = yield from _with_onset_interval(
+                state, refined[event], deviation = yield from _with_onset_interval(
                     state, evidence, fit, k, i, own, before, deviation
                 )
-            size = float(known.level[event.channel]) + shift
+            size = float(known.level[event.channel]) + refined.get(event, event).size - event.size
             initial = state.findings[i].initial or (size, deviation)
             finding = replace(state.findings[i], size=size, deviation=deviation, initial=initial)
             state = with_finding(state, i, finding)
+    if any(step != event for event, step in refined.items()):
+        state = yield from _with_refined_steps(state, evidence, tentative, refined)
     return clear_findings(state, over) if over else _remember_settled(state, entries)
+
+
+def _with_refined_steps(
+    state: DecisionState, evidence: Evidence, tentative: TentativeEvents, refined: dict[Event, Event]
+) -> Steps[DecisionState]:
+    """Return the state with steps taken as known with onsets between decisions and the sizes that belong to them.
+
+    Otherwise the filter would go on with the size of an onset that is off by less than a decision, and that error
+    would be found later as a change of the fault.
+    """
+    steps = tuple(refined.get(event, event) for event in tentative.events)
+    known = tentative.base.plus(steps, state.at).within_bounds(evidence.thresholds.bounds)
+    yield
+    window = ReplayWindow.of(evidence, tentative.base, steps, tentative.begin, state.at, state.trusted_outputs)
+    return replace(state, known=known, restart=FilterRestart(window.replay.states[1:]))
 
 
 def _size_if_vanished(
@@ -171,9 +188,9 @@ def _with_onset_interval(
     own: bool,
     before: dict[int, Finding],
     deviation: float,
-) -> Steps[tuple[DecisionState, float, float]]:
-    """Return the state with the interval of the onset of finding `i`, and the correction and the deviation of its
-    size, for step `k`.
+) -> Steps[tuple[DecisionState, Event, float]]:
+    """Return the state with the interval of the onset of finding `i`, and step `k` with its best onset and size, and
+    the deviation of that size.
 
     Args:
         state, evidence, fit, k, i, before: as in `_deviation`.
@@ -186,12 +203,12 @@ def _with_onset_interval(
     width = finding.onset_to - finding.onset_from if own else 1.0
     uncertain = yield from step_uncertainty(window, fit.events, k, width)
     if uncertain is None:
-        return state, 0.0, deviation
+        return state, event, deviation
     if own:
         finding = replace(finding, onset=uncertain.onset, onset_from=uncertain.earliest, onset_to=uncertain.latest)
     variance = uncertain.variance + passed_on(fit, k, list(before.values()), uncertain.variance)
     base = base_deviation(state.tentative.base, event, before.get(i, finding))
-    return with_finding(state, i, finding), uncertain.shift, float(np.hypot(variance**0.5, base))
+    return with_finding(state, i, finding), uncertain.step, float(np.hypot(variance**0.5, base))
 
 
 def _merge_ramp(tentative: TentativeEvents, fit: Explanation) -> TentativeEvents:

@@ -43,12 +43,15 @@ _CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class StepUncertainty:
-    """The onset of a step and its interval in decisions, and the size less the fitted one, with its variance."""
+    """The onset of a step and its interval in decisions, the step that begins there, and the variance of its size.
+
+    Between two rows `step` rises within one row.
+    """
 
     onset: float
     earliest: float
     latest: float
-    shift: float
+    step: Event
     variance: float
 
 
@@ -85,7 +88,7 @@ def step_uncertainty(
             break
         more = yield from search.evaluate(added, np.interp(added, profile.onsets, profile.size))
         profile = profile.joined(more)
-    return _result(profile, profile.excess(level), events[k].size, variance, search)
+    return _result(profile, profile.excess(level), variance, search)
 
 
 class _Search:
@@ -118,11 +121,11 @@ class _Search:
     def evaluate(self, onsets: np.ndarray, sizes: np.ndarray) -> Steps["_Profile"]:
         """Return E and the fitted size at some onsets; `sizes`: (onsets,), first guesses."""
         before, after = self._events[: self._k], self._events[self._k + 1 :]
-        steps = [self._begun(float(o), float(size)) for o, size in zip(onsets, sizes, strict=True)]
+        steps = [self.step(float(o), float(size)) for o, size in zip(onsets, sizes, strict=True)]
         fits = yield from fit_sizes(self._window, [(*before, step, *after) for step in steps])
         return _Profile(onsets, fits.energy * self._window.noise_unit, fits.size[:, self._k])
 
-    def _begun(self, onset: float, size: float) -> Event:
+    def step(self, onset: float, size: float) -> Event:
         """Return a step that begins at any time; between two rows it rises within one row."""
         channel = self._events[self._k].channel
         return Event(channel, onset, 0.0, size) if self.whole_rows else Event(channel, onset - self.row, self.row, size)
@@ -228,20 +231,21 @@ def _normal(count: int) -> np.ndarray:
     return np.random.default_rng(count).standard_normal((_SAMPLES, count)).T.copy()
 
 
-def _result(profile: _Profile, excess: np.ndarray, fitted: float, variance: float, search: _Search) -> StepUncertainty:
-    """Return the interval in which `excess` (onsets,) is not above zero, and the best onset with its size."""
+def _result(profile: _Profile, excess: np.ndarray, variance: float, search: _Search) -> StepUncertainty:
+    """Return the interval in which `excess` (onsets,) is not above zero, and the step of the best onset."""
     onsets, best, row = profile.onsets, profile.best, search.row
     inside = np.flatnonzero(excess <= 0)
     first, last = int(inside[0]), int(inside[-1])
     if search.whole_rows:  # rows that were not tried may belong to it
         earliest = onsets[first - 1] if first else onsets[first] - row
         latest = max(onsets[last + 1] - row, onsets[last]) if last + 1 < len(onsets) else onsets[last]
-        shift = float(profile.size[best]) - fitted
-        return StepUncertainty(float(onsets[best]), float(earliest), float(latest), shift, variance)
-    earliest = _crossing(onsets, excess, first, first - 1, best)
-    latest = _crossing(onsets, excess, last, last + 1, best)
-    onset = min(max(_vertex(onsets, excess, best), earliest), latest)
-    return StepUncertainty(onset, earliest, latest, float(np.interp(onset, onsets, profile.size)) - fitted, variance)
+        onset = float(onsets[best])
+    else:
+        earliest = _crossing(onsets, excess, first, first - 1, best)
+        latest = _crossing(onsets, excess, last, last + 1, best)
+        onset = min(max(_vertex(onsets, excess, best), earliest), latest)
+    step = search.step(onset, float(np.interp(onset, onsets, profile.size)))
+    return StepUncertainty(onset, float(earliest), float(latest), step, variance)
 
 
 def _vertex(x: np.ndarray, y: np.ndarray, best: int) -> float:
