@@ -3,6 +3,8 @@
 client = Client("http://127.0.0.1:8000")
 run = client.run("zhao-2012", {"noise.y.std": 0})
 columns = client.data(run["id"], ["t", "theta.*", "adaptive.theta.*"])   # name → NumPy array
+
+A service on another machine asks for its access key: Client("https://lab.example.org", key="…").
 """
 
 import base64
@@ -10,7 +12,7 @@ import json
 from collections.abc import Mapping, Sequence
 from http.client import HTTPConnection, HTTPException, HTTPSConnection
 from typing import Any, Self
-from urllib.parse import quote, urlencode, urlsplit
+from urllib.parse import parse_qs, quote, urlencode, urlsplit
 
 import numpy as np
 
@@ -24,10 +26,23 @@ class ServiceError(Exception):
 
 
 class Client:
-    """Speaks to one service; not to be shared between threads. `timeout` in seconds is for one answer."""
+    """Speaks to one service; not to be shared between threads.
 
-    def __init__(self, address: str = "http://127.0.0.1:8000", timeout: float = 120.0) -> None:
+    Args:
+        address: of the service. It may be the link that signs in, `…/?key=…`.
+        timeout: for one answer, in s.
+        key: the access key, which a service asks for that other machines can reach.
+        name: a text of your own that others do not know. Runs that were started under it can be cancelled and removed
+            under it only; those without a name, by everybody who has the key.
+    """
+
+    def __init__(
+        self, address: str = "http://127.0.0.1:8000", timeout: float = 120.0, key: str = "", name: str = ""
+    ) -> None:
         parts = urlsplit(address)
+        key = key or parse_qs(parts.query).get("key", [""])[0]
+        self._access = {"X-Access-Key": key} if key else {}
+        self._access |= {"X-Client": name} if name else {}
         connection = HTTPSConnection if parts.scheme == "https" else HTTPConnection
         self._connection = connection(parts.hostname or "127.0.0.1", parts.port, timeout=timeout)
         self._base = parts.path.rstrip("/")
@@ -118,7 +133,8 @@ class Client:
         self, method: str, path: str, body: bytes | None = None, headers: Mapping[str, str] | None = None
     ) -> tuple[int, Mapping[str, str], bytes]:
         """Status, headers and body of the answer. Raises :class:`ServiceError` from status 400 on."""
-        headers = {**({} if body is None else {"Content-Type": "application/json"}), **(headers or {})}
+        kind = {} if body is None else {"Content-Type": "application/json"}
+        headers = {**self._access, **kind, **(headers or {})}
         try:
             self._connection.request(method, self._base + path, body, headers)
             answer = self._connection.getresponse()

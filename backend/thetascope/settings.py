@@ -8,7 +8,7 @@ Sizes are bytes and take the suffixes k, M and G (powers of 1024); times are sec
 import os
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +48,9 @@ class Settings:
     port: int = 8000
     #: Further names of this service, separated by commas; loopback names and addresses as numbers are always accepted.
     hosts: str = ""
+    #: Access key; "": a random one, created when it is needed. `open`: whether nobody is asked for it (1).
+    key: str = field(default="", repr=False)
+    open: int = 0
     #: Runs of one client computed at the same time, each in a process. For short ones and for long ones, one more is
     #: kept for other clients.
     workers: int = min(4, os.cpu_count() or 1)
@@ -60,6 +63,13 @@ class Settings:
     job_seconds: float = 20.0
     job_cpu: float = 20.0
     job_memory: int = 1024**3
+    #: Limits of one client: its runs that wait or run, its live sessions, its open websockets, and the processor time
+    #: in s of its computations within a minute (0: none). By default they hold for clients that need the access key; a
+    #: value that is set holds for everybody.
+    client_runs: int | None = None
+    client_sessions: int | None = None
+    client_sockets: int | None = None
+    client_cpu: float | None = None
     #: How long POST /api/runs waits for the result before it answers 202, and the most a client may ask for.
     wait: float = 2.0
     max_wait: float = 60.0
@@ -99,10 +109,10 @@ def load(environ: Mapping[str, str] | None = None, **overrides: object) -> Setti
     """Return the settings of the environment; `overrides` that are not None win. Raises :class:`SettingsError`."""
     environ = os.environ if environ is None else environ
     values: dict[str, Any] = {"data": default_data(environ)}
-    for field in fields(Settings):
-        text = environ.get(PREFIX + field.name.upper(), "").strip()
+    for setting in fields(Settings):
+        text = environ.get(PREFIX + setting.name.upper(), "").strip()
         if text:
-            values[field.name] = _parse(PREFIX + field.name.upper(), text, field.type)
+            values[setting.name] = _parse(PREFIX + setting.name.upper(), text, setting.type)
     values.update({name: value for name, value in overrides.items() if value is not None})
     return Settings(**values)
 
@@ -121,16 +131,16 @@ def _parse(name: str, text: str, kind: object) -> Any:
     try:
         if kind is Path:
             return Path(text).expanduser()
-        if kind is int:
+        if kind in (int, int | None):
             return _integer(text)
-        if kind is float:
+        if kind in (float, float | None):
             value = float(text)
             if not 0 <= value < float("inf"):
                 raise ValueError
             return value
         return text
     except ValueError:
-        code = "settings.no-whole-number" if kind is int else "settings.no-seconds"
+        code = "settings.no-whole-number" if kind in (int, int | None) else "settings.no-seconds"
         raise SettingsError(Message(code, name=name, value=text)) from None
 
 

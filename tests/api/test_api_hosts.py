@@ -68,7 +68,7 @@ def test_a_websocket_under_another_name_is_closed(client, address):
 
 def test_names_of_the_setting_are_accepted(tmp_path):
     """The service answers under them, also from a page behind a proxy that replaces the host."""
-    with service(tmp_path, hosts="lab.example.org, *.school.example") as address:
+    with service(tmp_path, hosts="lab.example.org, *.school.example", open=1) as address:
         for host in ("lab.example.org", "LAB.example.org:8000", "room7.school.example"):
             assert status(address, "GET", "/api/health", host=host)[0] == 200
         assert status(address, "GET", "/api/health", host="example.org")[0] == 421

@@ -16,15 +16,16 @@ from thetascope.messages.catalogue import catalogue, languages
 
 ROOT = Path(__file__).parents[2]
 
-REFUSALS = {name: 1 for name in ("SpecError", "ExpressionError", "Refusal", "Unknown", "Busy", "NotReady")}
+REFUSALS = {name: 1 for name in ("SpecError", "ExpressionError", "Refusal", "Unknown", "Busy", "NotReady", "OverLimit")}
 REFUSALS |= {"refuse": 1, "invalid": 1, "problem": 1, "failed": 0, "refusal": 0, "BodyProblem": 0}
-REFUSALS |= {"DocumentError": 3, "StoreError": 0}
+REFUSALS |= {"DocumentError": 3, "StoreError": 0, "KeyFileError": 0}
 """Exceptions and functions that take a problem, and how many arguments after it the remedy is; 0: they take none."""
 
 COMPUTED = {
     "gain_values": ("observer.gain.not-positive", "observer.gain.outside-bounds", "observer.gain.too-small"),
     "Database._explained": ("store.locked", "store.read-only", "store.disk-full", "store.damaged"),
     "Experiment._check_times": ("experiment.interval.too-short",),
+    "RequireKey._refusal": ("access.no-key", "access.wrong-key", "access.ended"),
     "RunManager.finished": ("run.cancelled", "run.failed"),
     "_Reader.read": ("expression.syntax",),
     "with_command": ("experiment.interval.too-short",),

@@ -1,4 +1,4 @@
-"""The command line: `thetascope serve | run | trial | diagnose | list | check`.
+"""The command line: `thetascope serve | key | run | trial | diagnose | list | check`.
 
 Exit codes: 0 done, 1 refused or failed (with the reason), 2 wrong usage, 130 interrupted. Commands import their modules
 when they run, so that `--help` and usage errors are answered quickly.
@@ -50,6 +50,10 @@ def parser(say: Words) -> argparse.ArgumentParser:
     serve.add_argument("--port", type=int, help=say("cli.help.port"))
     serve.add_argument("--open", action="store_true", help=say("cli.help.open"))
     serve.set_defaults(command=_serve)
+
+    key = commands.add_parser("key", help=say("cli.key"), description=say("cli.key.description"))
+    key.add_argument("--new", action="store_true", help=say("cli.help.new-key"))
+    key.set_defaults(command=_key)
 
     run = commands.add_parser("run", help=say("cli.run"), description=say("cli.run.description"))
     run.add_argument("experiment", metavar="EXPERIMENT|FILE", help=say("cli.help.experiment"))
@@ -149,18 +153,27 @@ def _diagnose(options: argparse.Namespace, say: Words) -> int:
 
 
 def _serve(options: argparse.Namespace, say: Words) -> int:
-    from thetascope.server.app import serve
+    from thetascope.cli.access_commands import announce
+    from thetascope.server.app import Started, serve
     from thetascope.settings import load
 
-    def ready(address: str) -> None:
-        print(say("cli.serving", address=address), flush=True)
+    settings = load(host=options.host, port=options.port)
+
+    def ready(started: Started) -> None:
+        announce(started, settings, say)
         if options.open:
             import webbrowser
 
-            webbrowser.open(address)
+            webbrowser.open(started.link)
 
-    serve(load(host=options.host, port=options.port), ready)
+    serve(settings, ready)
     return 0
+
+
+def _key(options: argparse.Namespace, say: Words) -> int:
+    from thetascope.cli.access_commands import key_command
+
+    return key_command(options.new, say)
 
 
 def _run(options: argparse.Namespace, say: Words) -> int:

@@ -3,15 +3,18 @@
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from importlib import import_module
 from socket import socket
 from threading import Thread
+from urllib.parse import urlencode
 
 from fastapi import APIRouter, FastAPI
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from thetascope import __version__, library
+from thetascope.access.gate import Gate
 from thetascope.api.http import openapi, problems, static_pages
 from thetascope.api.http.answers import json_response
 from thetascope.api.http.browser_security import Security
@@ -30,6 +33,7 @@ from thetascope.api.routes import (
     runs,
     sessions,
 )
+from thetascope.api.sign_in.require_key import RequireKey
 from thetascope.engine.compiler import cache
 from thetascope.runs.results.engine_version import engine_version
 from thetascope.server import prewarm
@@ -68,6 +72,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         docs_url=None,
         redoc_url=None,
     )
+    app.state.gate = Gate(settings)
+    app.add_middleware(RequireKey, gate=app.state.gate, settings=settings)
     app.add_middleware(ContentLanguage)
     app.state.hosts = AllowedHosts(settings.hosts, settings.host)
     app.add_middleware(Security, hosts=app.state.hosts)
@@ -98,22 +104,52 @@ def _api() -> APIRouter:
         usage = {"runs": services.runs.usage(), "workers": services.workers.usage()}
         return json_response({"status": "ok", **versions, **usage})
 
+    @api.get("/health/live", tags=["service"], response_model=None)
+    async def live() -> Response:
+        """Return that the process answers. It needs no access key, and tells nothing else."""
+        return json_response({"status": "ok"})
+
     for part in (catalogue, plants, equations, gain_defaults, lessons, messages, records, runs, run_results, sessions):
         api.include_router(part.router)
 
     return api
 
 
-def serve(settings: Settings, ready: Callable[[str], None] = lambda address: None) -> None:
-    """Serve until interrupted; `ready` is called with the page's address as soon as requests are answered.
+@dataclass(frozen=True)
+class Started:
+    """A service that answers.
 
-    Raises StoreError or FolderRefused before listening if the store or the cache cannot be used.
+    Args:
+        address: of the page, as seen from this machine.
+        key: the access key if it was created now; it is shown this once.
+        asks: whether the service asks for the key, also on this machine.
+        unguarded: whether other machines may reach it, and nobody is asked.
+    """
+
+    address: str
+    key: str | None = None
+    asks: bool = False
+    unguarded: bool = False
+
+    @property
+    def link(self) -> str:
+        """Return the address that opens the page in a browser on this machine."""
+        return f"{self.address}?{urlencode({'key': self.key})}" if self.key and self.asks else self.address
+
+
+def serve(settings: Settings, ready: Callable[[Started], None] = lambda started: None) -> None:
+    """Serve until interrupted; `ready` is called as soon as requests are answered.
+
+    Raises StoreError, FolderRefused or SettingsError before listening if the store, the cache or the access key
+    cannot be used.
     """
     import uvicorn
 
     cache.folder()
     Database(settings.store).close()
     app = create_app(settings)
+    gate: Gate = app.state.gate
+    key = gate.file.ensured()[1] if gate.expects_others else None
     config = uvicorn.Config(
         app,
         host=settings.host,
@@ -132,7 +168,8 @@ def serve(settings: Settings, ready: Callable[[str], None] = lambda address: Non
             if self.started:
                 port = self.servers[0].sockets[0].getsockname()[1]
                 host = "127.0.0.1" if settings.host in ("0.0.0.0", "::") else settings.host
-                ready(f"http://{host}:{port}/")
+                unguarded = gate.is_open and not gate.on_loopback
+                ready(Started(f"http://{host}:{port}/", key, gate.asks_everybody, unguarded))
 
         async def shutdown(self, sockets: list[socket] | None = None) -> None:
             """End what is computed first, so that the requests that wait for it are answered."""

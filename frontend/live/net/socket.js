@@ -9,9 +9,11 @@ const CLOSED = new Map([
   [4404, 'ended'],
   [4410, 'ended'],
   [4429, 'full'],
+  [4430, 'full'],
   [4401, 'failed'],
   [4403, 'failed'],
 ]);
+const SIGN_IN = 4411; // the access key is missing, or was changed
 const SILENCE = 15_000; // ms without any message after which an offline browser's connection counts as lost
 const LONGEST = 8000; // ms between two tries
 
@@ -137,6 +139,10 @@ class Connection {
     for (const {fail} of this.waiting.values()) fail(new Refused({code: 'page.notice.answer-lost'}));
     this.waiting.clear();
     if (this.stopped) return;
+    if (code === SIGN_IN) {
+      this.stop();
+      return location.reload(); // the server answers with its sign-in page, which leads back to this address
+    }
     const end = CLOSED.get(code);
     if (end) {
       this.stop();

@@ -43,6 +43,8 @@ CLOSE_NO_SESSION = 4404  # the session does not exist, or has ended
 CLOSE_ORIGIN = 4403  # the page comes from another origin
 CLOSE_TOKEN = 4401  # the control token is not this session's
 CLOSE_FULL = 4429  # too many viewers
+CLOSE_SOCKETS = 4430  # this client has too many connections
+CLOSE_SIGN_IN = 4411  # the access key is missing, or was changed
 CLOSE_SLOW = 4408  # the viewer does not read its messages
 CLOSE_ENDED = 4410  # the session was closed or idle for too long
 

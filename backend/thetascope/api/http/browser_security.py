@@ -3,12 +3,14 @@
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocket
 
 from thetascope.api.http.hosts import AllowedHosts
 from thetascope.api.http.language import language_of
 from thetascope.api.http.problems import problem_response
 from thetascope.messages import Message as Wording
 from thetascope.runs.specs.problem_documents import problem
+from thetascope_schemas.service.session import CLOSE_ORIGIN, SUBPROTOCOL
 
 POLICY = (
     "default-src 'self'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
@@ -29,14 +31,22 @@ _SAFE = {"GET", "HEAD", "OPTIONS"}
 class Security:
     """Adds headers that a response does not set itself.
 
-    Refuses requests under a name that is not this service's, and changes requested by pages of other sites.
+    Refuses requests under a name that is not this service's, and changes and websockets requested by pages of other
+    sites.
     """
 
     def __init__(self, app: ASGIApp, hosts: AllowedHosts) -> None:
         self._app, self._hosts = app, hosts
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Handle a request, and add the headers to its answer."""
+        """Handle a request, and add the headers to its answer; or a websocket."""
+        if scope["type"] == "websocket":
+            websocket = WebSocket(scope, receive, send)
+            if not self._hosts.allows(websocket.headers.get("host", "")) or not self._hosts.may_change(
+                websocket.headers
+            ):
+                await close_socket(websocket, CLOSE_ORIGIN, Wording("session.close.origin"))
+                return
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
@@ -63,3 +73,13 @@ class Security:
         if scope["method"] not in _SAFE and not self._hosts.may_change(headers):
             return 403, Wording("http.cross-site")
         return None
+
+
+async def close_socket(websocket: WebSocket, code: int, reason: Wording) -> None:
+    """Refuse a websocket with a code and the reason in the viewer's language.
+
+    It is accepted before: otherwise browsers do not pass the code to the page.
+    """
+    offered = websocket.scope.get("subprotocols", [])
+    await websocket.accept(SUBPROTOCOL if SUBPROTOCOL in offered else None)
+    await websocket.close(code, reason.text(language_of(websocket)))

@@ -8,9 +8,11 @@ from fastapi import Request
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect, HTTPConnection
 
+from thetascope.access.client_limits import ClientLimits, limits_of
+from thetascope.access.principal import principal_of
 from thetascope.api.http.services import Services
 from thetascope.messages import Message
-from thetascope.runs.specs.refusals import Busy
+from thetascope.runs.specs.refusals import Busy, OverLimit
 
 Value = TypeVar("Value")
 Given = ParamSpec("Given")
@@ -20,8 +22,22 @@ _GRACE = 0.5
 
 
 def client_of(request: HTTPConnection) -> str:
-    """Return the client of a request, who takes turns with others: its address."""
-    return request.client.host if request.client else ""
+    """Return the client of a request, who takes turns with others: its browser or script, or its address."""
+    return principal_of(request.scope).client
+
+
+def limits_for(request: HTTPConnection, services: Services) -> ClientLimits:
+    """Return the limits of the client of a request."""
+    return limits_of(services.settings, principal_of(request.scope))
+
+
+def check_cpu(request: HTTPConnection, services: Services) -> None:
+    """Raise OverLimit for a client whose computations have used as much processor time within a minute as they may."""
+    most = limits_for(request, services).cpu
+    if most is not None:
+        used, wait = services.workers.over(client_of(request), most)
+        if wait > 0:
+            raise OverLimit(Message("client.cpu", used=used, limit=most), wait)
 
 
 async def computed(
@@ -29,8 +45,9 @@ async def computed(
 ) -> Value:
     """Return the value of a module's function in a worker process; the body of the request was read before.
 
-    Raises the function's exception, Busy, LimitReached, or ClientDisconnect.
+    Raises the function's exception, Busy, OverLimit, LimitReached, or ClientDisconnect.
     """
+    check_cpu(request, services)
     workers, client = services.workers, client_of(request)
     computation = await run_in_threadpool(lambda: workers.call(function, *args, client=client, **kwargs))
     future = asyncio.wrap_future(computation.result)

@@ -11,6 +11,19 @@ from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.record import Record
 
+SCHEMES = {
+    "bearer": {"type": "http", "scheme": "bearer", "description": "The access key, as `Authorization: Bearer KEY`."},
+    "key": {"type": "apiKey", "in": "header", "name": "X-Access-Key", "description": "The access key."},
+    "browser": {
+        "type": "apiKey",
+        "in": "cookie",
+        "name": "thetascope",
+        "description": "The cookie that /sign-in sets. Its name ends with `-` and the installation.",
+    },
+}
+"""Ways to show the access key. A service on loopback, and one with THETASCOPE_OPEN=1, asks for none of them."""
+_NO_KEY = ("/api/health/live",)
+
 BODIES = (Experiment, Plant, Record, RunRequest, SessionRequest, ForkRequest)
 
 
@@ -27,6 +40,10 @@ def install(app: FastAPI) -> None:
             schemas = openapi.setdefault("components", {}).setdefault("schemas", {})
             for name, schema in bodies["$defs"].items():
                 schemas.setdefault(name, schema)
+            openapi["components"]["securitySchemes"] = SCHEMES
+            openapi["security"] = [{}, *({name: []} for name in SCHEMES)]
+            for path in _NO_KEY:
+                openapi["paths"][path]["get"]["security"] = []
             app.openapi_schema = openapi
         return app.openapi_schema
 

@@ -2,6 +2,7 @@
 
 import logging
 import re
+from math import ceil
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
@@ -13,7 +14,7 @@ from thetascope.api.http.language import language_of
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message, words
 from thetascope.runs.specs.problem_documents import problem, refused
-from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Refusal, Unknown, from_engine
+from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, OverLimit, Refusal, Unknown, from_engine
 from thetascope.runs.workers.limits import Crashed, LimitReached
 from thetascope.store import Damaged, StoreError
 from thetascope_schemas.service.field_error import field_errors
@@ -27,11 +28,14 @@ MEDIA_TYPE = "application/problem+json"
 RESPONSES = {
     code: {"model": Problem, "description": text, "content": {MEDIA_TYPE: {}}}
     for code, text in {
+        401: "The access key is missing or wrong.",
+        403: "It belongs to another client.",
         404: "Nothing has this id; near matches are named.",
         409: "The run has no result (yet).",
         413: "The body is larger than the limit.",
         415: "The body is not JSON.",
         422: "The spec or a parameter is refused: field, value, remedy.",
+        429: "This client has or uses as much as one client may; `Retry-After` says when to try again.",
         503: "The queue is full, or the store cannot be used.",
     }.items()
 }
@@ -87,10 +91,11 @@ async def _body(request: Request, error: BodyProblem) -> Response:
 
 
 async def _refusal(request: Request, error: Refusal) -> Response:
-    statuses = {Unknown: 404, Busy: 503, NotReady: 409, LimitReached: 422, Crashed: 500}
+    statuses = {Unknown: 404, Busy: 503, OverLimit: 429, NotReady: 409, LimitReached: 422, Crashed: 500}
     status = statuses.get(type(error), 409)
     document = problem(status, error.problem, error.remedy, language_of(request), request.url.path)
-    return problem_response(document, {"Retry-After": "2"} if status == 503 else None)
+    wait = error.retry if isinstance(error, OverLimit) else 2
+    return problem_response(document, {"Retry-After": str(ceil(wait))} if status in (429, 503) else None)
 
 
 async def _parameters(request: Request, error: RequestValidationError) -> Response:

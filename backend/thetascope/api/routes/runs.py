@@ -8,12 +8,12 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from thetascope.api.http.answers import ended, json_response, listed, progress_response, run_response
-from thetascope.api.http.computed import client_of, first_of
+from thetascope.api.http.computed import check_cpu, client_of, first_of, limits_for
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed
 from thetascope.api.http.services import Use
-from thetascope.runs.jobs.job import Snapshot
+from thetascope.runs.jobs.job import Job, Snapshot
 from thetascope.runs.specs.run_requests import parse_request
 from thetascope_schemas.service.answers import RunList
 from thetascope_schemas.service.run import Progress, Run
@@ -37,7 +37,7 @@ Wait = Annotated[
             "model": Progress,
             "description": "The run takes longer: `Location` is the run, `links.progress` how far.",
         },
-        **documented(404, 413, 415, 422, 503),
+        **documented(404, 413, 415, 422, 429, 503),
     },
 )
 async def create_run(request: Request, services: Use, language: Language, wait: Wait = None) -> Response:
@@ -46,8 +46,13 @@ async def create_run(request: Request, services: Use, language: Language, wait: 
     The run's id is the hash of the spec, so posting the same spec again returns the stored run.
     """
     settings = services.settings
-    client = client_of(request)
-    started = await parsed(request, settings.max_body, lambda data: services.runs.submit(parse_request(data), client))
+    check_cpu(request, services)
+    client, most = client_of(request), limits_for(request, services).runs
+
+    def submit(data: object) -> Snapshot | Job:
+        return services.runs.submit(parse_request(data), client, most)
+
+    started = await parsed(request, settings.max_body, submit)
     if isinstance(started, Snapshot):
         return run_response(started, language)
     try:

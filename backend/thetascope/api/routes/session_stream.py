@@ -8,14 +8,12 @@ from starlette.types import Receive, Scope, Send
 from starlette.websockets import WebSocket
 
 from thetascope.api.http.computed import client_of
-from thetascope.api.http.hosts import AllowedHosts
 from thetascope.api.http.language import language_of
 from thetascope.api.http.services import Services
 from thetascope.messages import Message
 from thetascope_schemas.service.session import (
     CLOSE_FULL,
     CLOSE_NO_SESSION,
-    CLOSE_ORIGIN,
     CLOSE_TOKEN,
     SUBPROTOCOL,
     TOKEN,
@@ -44,10 +42,6 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
     # Accepted before any check: otherwise browsers do not pass the close code to the page.
     offered: list[str] = websocket.scope.get("subprotocols", [])
     await websocket.accept(SUBPROTOCOL if SUBPROTOCOL in offered else None)
-    hosts: AllowedHosts = websocket.app.state.hosts
-    if not hosts.allows(websocket.headers.get("host", "")) or not hosts.may_change(websocket.headers):
-        await _close(websocket, CLOSE_ORIGIN, Message("session.close.origin"))
-        return
     room = services.live.find(websocket.path_params["id"])
     if room is None:
         await _close(websocket, CLOSE_NO_SESSION, Message("session.close.no-session"))

@@ -9,7 +9,7 @@ from starlette.responses import Response, StreamingResponse
 from starlette.routing import WebSocketRoute
 
 from thetascope.api.http.answers import ended, json_response, progress_response, run_response
-from thetascope.api.http.computed import client_of, computed, while_connected
+from thetascope.api.http.computed import check_cpu, client_of, computed, limits_for, while_connected
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented, problem_response
 from thetascope.api.http.read_body import body_schema, json_of, parsed, read_body
@@ -52,7 +52,7 @@ def links(id: str) -> dict[str, str]:
     status_code=201,
     response_model=SessionOpened,
     openapi_extra=body_schema("SessionRequest"),
-    responses=documented(404, 413, 415, 422, 503),
+    responses=documented(404, 413, 415, 422, 429, 503),
 )
 async def create_session(request: Request, services: Use, language: Language) -> Response:
     """Open a session. The token grants control; the address without it permits viewing only."""
@@ -63,7 +63,8 @@ async def create_session(request: Request, services: Use, language: Language) ->
 
         await computed(request, services, rehearse_opening, spec, services.settings.session_rows)
 
-    opening = services.live.create(body.resolved, body.t, body.play, body.speed, rehearse, client_of(request))
+    client, most = client_of(request), limits_for(request, services).sessions
+    opening = services.live.create(body.resolved, body.t, body.play, body.speed, rehearse, client, most)
     try:
         return _opened(await while_connected(request, opening))
     except TooManySessions:
@@ -106,7 +107,7 @@ async def end_session(id: str, services: Use, language: Language, token: Control
     status_code=201,
     response_model=SessionOpened,
     openapi_extra=body_schema("ForkRequest"),
-    responses=documented(404, 413, 422, 503),
+    responses=documented(404, 413, 422, 429, 503),
 )
 async def fork_session(request: Request, id: str, services: Use, language: Language) -> Response:
     """Open a second session with the same past up to now, or up to `t`. It has its own token."""
@@ -115,7 +116,8 @@ async def fork_session(request: Request, id: str, services: Use, language: Langu
     if body.t is not None and body.t > room.t + 0.5 * room.session.record:
         raise invalid("t", body.t, Message("session.fork.beyond-now", t=room.t))
     try:
-        return _opened(await services.live.fork(room, body.t))
+        most = limits_for(request, services).sessions
+        return _opened(await services.live.fork(room, body.t, client_of(request), most))
     except TooManySessions:
         return _full(services, language)
 
@@ -127,7 +129,7 @@ async def fork_session(request: Request, id: str, services: Use, language: Langu
     responses={
         200: {"model": Run, "description": "The same was saved before."},
         202: {"model": Progress, "description": "It takes longer: `Location` is the run."},
-        **documented(404, 409, 422, 503),
+        **documented(404, 409, 422, 429, 503),
         **_FORBIDDEN,
     },
 )
@@ -141,7 +143,9 @@ async def save_session(
     if room.shown < 2:
         raise NotReady(Message("session.not-begun"))
     spec = room.spec()
-    started = await run_in_threadpool(services.runs.submit, spec, client_of(request))
+    check_cpu(request, services)
+    most = limits_for(request, services).runs
+    started = await run_in_threadpool(services.runs.submit, spec, client_of(request), most)
     if isinstance(started, Snapshot):
         return run_response(started, language)
     snapshot = await ended(started, services.settings.wait)

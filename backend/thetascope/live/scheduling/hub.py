@@ -5,10 +5,10 @@ import gc
 import logging
 import secrets
 import sys
-from collections import OrderedDict
-from collections.abc import Awaitable, Callable
+from collections import Counter, OrderedDict
+from collections.abc import Awaitable, Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,7 @@ from thetascope.live.room.room_state import Transition
 from thetascope.live.room.serial_queue import Background, Callback, Job, outcome
 from thetascope.live.scheduling.fast_forward import FastForward, return_memory
 from thetascope.messages import Message
-from thetascope.runs.specs.refusals import Busy
+from thetascope.runs.specs.refusals import Busy, OverLimit
 from thetascope.runs.workers.pool import Workers
 from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.service.session import CLOSE_ENDED, SessionCommand
@@ -50,6 +50,8 @@ _OPENING, _JOINING = 0.012, 0.006
 leaves playing sessions the time they need."""
 _COLLECT = 900.0
 """Seconds between two full garbage collections, if sessions were opened."""
+_SESSION_ENDS = 10.0
+"""Seconds after which a client with too many sessions may try again."""
 _REHEARSED = 4096
 """Experiments whose opening was rehearsed and is not rehearsed again."""
 
@@ -67,7 +69,8 @@ class Hub:
     def __init__(self, settings: "Settings", workers: Workers) -> None:
         self._settings, self._workers = settings, workers
         self._rooms: dict[str, Room] = {}
-        self._opening = 0
+        self._clients: dict[str, str] = {}
+        self._opening: Counter[str] = Counter()
         self._threads = ThreadPoolExecutor(_THREADS, thread_name_prefix="live")
         self._workshop = ThreadPoolExecutor(_WORKSHOPS, thread_name_prefix="workshop")
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -95,6 +98,7 @@ class Hub:
         speed: float | None = 1.0,
         rehearse: Callable[[ResolvedExperiment], Awaitable[None]] | None = None,
         client: str = "",
+        most: int | None = None,
     ) -> "Room":
         """Open a session and return its room.
 
@@ -104,14 +108,15 @@ class Hub:
             play: whether time runs from the start.
             speed: simulated seconds per second; None: as fast as possible.
             rehearse: opens such a session in a worker process first, where that takes no longer than it may.
-            client: whose turn it takes on the way to `t`.
+            client: whose turn it takes on the way to `t`, and whose session it is.
+            most: sessions of the client that may be open.
 
         Raises:
-            TooManySessions, SpecError.
+            TooManySessions, OverLimit, SpecError.
         """
         loop, limit = asyncio.get_running_loop(), self._settings.session_rows
         until = loop.time() + self._settings.job_seconds
-        with self._reserve():
+        with self._reserve(client, most):
             await asyncio.sleep(self._openings.wait(loop.time()))
             spec = await loop.run_in_executor(self._workshop, read)
             key = spec.model_copy(update={"seed": 0}).model_dump_json()
@@ -122,22 +127,23 @@ class Hub:
                     self._rehearsed.popitem(last=False)
             session = await loop.run_in_executor(self._workshop, lambda: self._template(spec, limit))
             await self._forward.advance(session, _rows_until(session, t, limit), self._past(), client, until)
-        return self._add(session, play, speed, None)
+            return self._add(session, play, speed, None, client)
 
     async def viewer_slot(self) -> None:
         """Return when the next viewer may join."""
         await asyncio.sleep(self._joins.wait(asyncio.get_running_loop().time()))
 
-    async def fork(self, room: "Room", t: float | None = None) -> "Room":
+    async def fork(self, room: "Room", t: float | None = None, client: str = "", most: int | None = None) -> "Room":
         """Open a second session that continues from this one, at the present or an earlier time.
-        Raises TooManySessions."""
-        with self._reserve():
+        Raises TooManySessions or OverLimit."""
+        with self._reserve(client, most):
             session = await room.fork(t)
-        return self._add(session, room.machine.playing, room.playback.speed, room.id)
+            return self._add(session, room.machine.playing, room.playback.speed, room.id, client)
 
     def close(self, room: "Room", reason: Message = _ENDED) -> None:
         """End a session."""
         self._rooms.pop(room.id, None)
+        self._clients.pop(room.id, None)
         self._closed_some = True
         room.close(CLOSE_ENDED, reason)
 
@@ -172,18 +178,29 @@ class Hub:
         """Return the bytes of samples that each session may keep now."""
         return share(self._settings.past, len(self._rooms))
 
-    def _reserve(self) -> "_Reservation":
+    @contextmanager
+    def _reserve(self, client: str, most: int | None) -> Iterator[None]:
+        """Count a session that is being opened towards the limits while inside."""
         limit = self._settings.sessions
-        if len(self._rooms) + self._opening >= limit:
+        if len(self._rooms) + self._opening.total() >= limit:
             raise TooManySessions(f"{limit} sessions are open")
-        return _Reservation(self)
+        own = sum(name == client for name in self._clients.values()) + self._opening[client]
+        if most is not None and own >= most:
+            raise OverLimit(Message("client.sessions", n=most), _SESSION_ENDS)
+        self._opening[client] += 1
+        try:
+            yield
+        finally:
+            self._opening[client] -= 1
+            self._opening += Counter()  # drops clients that open none
 
-    def _add(self, session: "Session", play: bool, speed: float | None, parent: str | None) -> "Room":
+    def _add(self, session: "Session", play: bool, speed: float | None, parent: str | None, client: str) -> "Room":
         from thetascope.live.room.room import Room
 
         services = self._start()
         id, token = secrets.token_urlsafe(12), secrets.token_urlsafe(24)
         room = self._rooms[id] = Room(id, token, session, services, parent)
+        self._clients[id] = client
         # Everything in memory now stays for a while. Otherwise Python's garbage collector would search SymPy and all
         # sessions now and then, for a tenth of a second in which no frame is sent.
         gc.freeze()
@@ -271,19 +288,6 @@ def _in_pool(pool: ThreadPoolExecutor, loop: asyncio.AbstractEventLoop) -> Backg
         pool.submit(work)
 
     return run
-
-
-class _Reservation:
-    """A session that is being opened: it counts towards the limit."""
-
-    def __init__(self, hub: Hub) -> None:
-        self._hub = hub
-
-    def __enter__(self) -> None:
-        self._hub._opening += 1
-
-    def __exit__(self, *_: object) -> None:
-        self._hub._opening -= 1
 
 
 def share(past: int, sessions: int) -> int:

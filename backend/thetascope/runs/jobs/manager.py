@@ -13,7 +13,7 @@ from thetascope.runs.jobs.store_writer import Writer
 from thetascope.runs.jobs.worker import Execution
 from thetascope.runs.results.engine_version import engine_version
 from thetascope.runs.specs.problem_documents import refused
-from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Unknown
+from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, OverLimit, Unknown
 from thetascope.runs.specs.resolve_spec import resolved
 from thetascope.runs.workers.pool import Workers
 from thetascope.settings import Settings
@@ -21,6 +21,9 @@ from thetascope.store import Damaged, Record, RunStore
 from thetascope_schemas.experiment.experiment import Experiment
 
 log = logging.getLogger(__name__)
+
+_SOON = 2.0
+"""Seconds after which a client with too many runs may try again."""
 
 
 class RunManager:
@@ -42,12 +45,15 @@ class RunManager:
         if not store.read_only:
             store.interrupted(INTERRUPTED.model_dump(mode="json"))
 
-    def submit(self, spec: Experiment, client: str = "") -> Snapshot | Job:
+    def submit(self, spec: Experiment, client: str = "", most: int | None = None) -> Snapshot | Job:
         """Return the run of a spec for a client: a snapshot if it has a result, else the job that computes it.
+
+        `most` is the number of runs of the client that may wait or run.
 
         Raises:
             InvalidSpec: names that do not fit the plant, or more steps or numbers than the limits allow.
             Busy: the queue is full.
+            OverLimit: the client has as many runs that wait or run as it may.
         """
         complete = resolved(spec)
         id = complete.spec_hash()
@@ -60,6 +66,8 @@ class RunManager:
             if job is not None:
                 job.holders += 1
                 return job
+            if most is not None and sum(job.client == client for job in self._jobs.values()) >= most:
+                raise OverLimit(Message("client.runs", n=most), _SOON)
             if len(self._jobs) >= self._room:
                 raise Busy(Message("run.queue-full", n=len(self._jobs)))
             job = self._jobs[id] = Job(id, spec, client=client, **kept)

@@ -47,6 +47,19 @@ class Busy(Refusal):
     """The queue is full."""
 
 
+class OverLimit(Refusal):
+    """The client has, or has used, as much as one client may.
+
+    Args:
+        problem: which limit; its remedy is the entry with `.remedy`.
+        retry: seconds after which to try again.
+    """
+
+    def __init__(self, problem: Message, retry: float) -> None:
+        super().__init__(problem)
+        self.retry = retry
+
+
 class NotReady(Refusal):
     """The run has no result: it is not finished, failed, or was cancelled."""
 

@@ -16,6 +16,7 @@ from typing import Any
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import Busy
 from thetascope.runs.workers.computation import Computation, Report, packed
+from thetascope.runs.workers.last_minute import LastMinute
 from thetascope.runs.workers.limits import Crashed, Ended, Limits, cpu_limit, memory_limit, time_limit
 from thetascope.runs.workers.process import Gone, WorkerProcess
 from thetascope.runs.workers.shares import Shares
@@ -58,7 +59,7 @@ class Workers:
         self._most, self._places = max(1, places), max(1, places) + 1
         self._limits, self._queue = limits, queue
         self._quick, self._slow = _Lane(), _Lane()
-        self._shares = Shares()
+        self._shares, self._minute = Shares(), LastMinute()
         self._idle: list[WorkerProcess] = []
         self._shared: OrderedDict[bytes, Computation] = OrderedDict()
         self._threads: set[Thread] = set()
@@ -119,6 +120,11 @@ class Workers:
                 "running": sum(lane.active.total() for lane in lanes),
                 "waiting": sum(len(lane.waiting) for lane in lanes),
             }
+
+    def over(self, client: str, most: float) -> tuple[float, float]:
+        """Return the seconds of processor time of a client within a minute, and those until it is below `most`."""
+        with self._lock:
+            return self._minute.used(client), self._minute.wait(client, most)
 
     def close(self) -> None:
         """End all computations and processes. Computations that waited or ran fail with Busy."""
@@ -221,6 +227,7 @@ class Workers:
             seconds = process.cpu - begun
             with self._lock:
                 self._shares.add(computation.client, seconds - counted)
+                self._minute.add(computation.client, seconds - counted)
             counted = seconds
             return seconds
 
