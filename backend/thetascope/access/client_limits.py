@@ -1,9 +1,12 @@
 """The limits of one client. They keep one person from taking what is for all."""
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 from thetascope.access.principal import Principal
 from thetascope.settings import Settings
+
+Number = TypeVar("Number", int, float)
 
 _RUNS, _SESSIONS, _SOCKETS, _CPU = 32, 50, 60, 180.0
 """Defaults for clients that need the access key. A browser has one websocket for each open live page."""
@@ -37,7 +40,7 @@ def limits_of(settings: Settings, principal: Principal) -> ClientLimits:
     )
 
 
-def _limit(value, default, guest: bool):
+def _limit(value: Number | None, default: Number, guest: bool) -> Number | None:
     """Return a limit; a value of 0 means none."""
     if value is None:
         return default if guest else None
