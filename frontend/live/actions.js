@@ -97,7 +97,7 @@ function transport(app, link) {
 /**
  * @param {App} app
  * @param {SessionLink} link
- * @returns {Pick<Actions, 'open' | 'openSpec' | 'fork' | 'visit' | 'save' | 'link'>}
+ * @returns {Pick<Actions, 'open' | 'openSpec' | 'fork' | 'visit' | 'restart' | 'save' | 'link'>}
  */
 function sessions(app, link) {
   return {
@@ -105,6 +105,7 @@ function sessions(app, link) {
     openSpec: (spec, {t = 0} = {}) => link.begin({spec, t, play: false, experiment: app.state.experiment}),
     fork: (t) => link.fork(t),
     visit: (id) => link.visit(id),
+    restart: (spec) => link.restart(spec),
     save: () => save(app.state.session ?? '', link.token()),
     async link({view = false} = {}) {
       if (view) return `${location.origin}/?session=${encodeURIComponent(app.state.session ?? '')}`;

@@ -24,8 +24,7 @@ import {mountTimeline} from './ui/session-timeline.js';
 import {mountTransport} from './ui/transport.js';
 import {named, say, speak, t} from '../i18n/words.js';
 
-/** @import {Experiment} from '../pages/types.js' */
-/** @import {App, Catalogue, Command, Language, ServerMessage, SessionLink, State} from './types.js' */
+/** @import {App, Catalogue, Experiment, Command, Language, ServerMessage, SessionLink, State} from './types.js' */
 /** @import {Problem} from '../common/api.js' */
 
 /**
@@ -226,6 +225,32 @@ const link = {
     } catch (error) {
       app.act.refused(error);
     }
+  },
+  /**
+   * Begin again from t = 0 with another spec, in another session; Undo and the browser's Back lead to this one.
+   * Throws where the spec is refused.
+   * @param {Experiment} spec
+   */
+  async restart(spec) {
+    const {session, experiment, playing, speed} = store.state;
+    if (session === null) return;
+    const wanted = turn();
+    await address.write();
+    const opened = await create({spec, play: playing, t: 0});
+    if (!wanted()) return void (await end(opened.id, opened.token));
+    kept.write({id: opened.id, token: opened.token, address: '', experiment, plain: false, parent: null});
+    history.pushState({session: opened.id}, '', location.href);
+    const action = {message: {code: 'page.action.undo'}, act: () => link.visit(session)};
+    join({
+      id: opened.id,
+      control: opened.token,
+      experiment,
+      plain: false,
+      then() {
+        app.act.speed(speed);
+        app.act.tell({code: 'page.notice.started-again'}, {action});
+      },
+    });
   },
   /**
    * Go to another session of this tab: the one that this was forked from, or one that was forked from this.

@@ -7,6 +7,7 @@ const PANELS = [
   ['panel-header', 'header/header'],
   ['panel-title', 'header/title'],
   ['panel-plant', 'plant/plant'],
+  ['panel-truth', 'truth/truth'],
   ['panel-inject', 'inject/inject'],
   ['panel-try', 'try'],
   ['panel-diagnosis', 'diagnosis'],

@@ -197,6 +197,7 @@ export interface SessionLink {
   begin(options: StartOptions): Promise<void>;
   fork(t?: number): Promise<void>;
   visit(id: string): Promise<void>;
+  restart(spec: Experiment): Promise<void>;
 }
 
 /** Actions that are more than one command (README.md lists them). */
@@ -213,6 +214,8 @@ export interface Actions {
   openSpec(spec: Experiment, options?: {t?: number}): Promise<void>;
   fork(t?: number): Promise<void>;
   visit(id: string): Promise<void>;
+  /** Rejects with a Problem where the experiment is refused. */
+  restart(spec: Experiment): Promise<void>;
   save(): Promise<Run>;
   link(options?: {view?: boolean}): Promise<string>;
   window(length: number | null): void;

@@ -1,7 +1,7 @@
 // Small parts that the panels share: headings, badges, chips, a slider with its number, numbers that keep their width.
 
 import {h, fill, number} from '../common/dom.js';
-import {ENDS, position, value as valueAt} from './slider-scale.js';
+import {ENDS, digitsOf, position, value as valueAt} from './slider-scale.js';
 import {asSentence, refusalWords, t} from '../i18n/words.js';
 
 /** @import {Scale} from './slider-scale.js' */
@@ -94,11 +94,12 @@ export const took = (time) => `${time < 10 ? time.toFixed(time < 1 ? 2 : 1) : ti
 /**
  * A number as one types it, in few characters.
  * @param {number} value
+ * @param {number} digits
  */
-const typed = (value) =>
+const typed = (value, digits) =>
   value !== 0 && Math.abs(value) < 1e-3
-    ? value.toExponential(2).replace(/\.?0*e/, 'e')
-    : String(Number(value.toPrecision(3)));
+    ? value.toExponential(digits - 1).replace(/\.?0*e/, 'e')
+    : String(Number(value.toPrecision(digits)));
 
 /**
  * A slider and a field for the same number.
@@ -124,7 +125,7 @@ export function slider({name, scale, value, change, low = -Infinity, high = Infi
     [present, typing, waiting] = [next, false, null];
     range.value = String(position(scale, next));
     range.setAttribute('aria-valuetext', number(next));
-    field.value = typed(next);
+    field.value = typed(next, digitsOf(scale));
     field.removeAttribute('aria-invalid');
   };
   /** @param {boolean} done */

@@ -42,14 +42,22 @@ export function position(scale, value) {
 export function value(scale, place) {
   if (scale.kind === 'linear') {
     const size = Math.max(Math.abs(scale.min), Math.abs(scale.max));
-    const unit = 10 ** (Math.floor(Math.log10(size || 1)) - 2);
-    const decimals = Math.max(0, Math.min(12, 2 - Math.floor(Math.log10(size || 1))));
+    const unit = 10 ** (Math.floor(Math.log10(Math.min(size, scale.max - scale.min) || 1)) - 2);
     const exact = scale.min + (place / ENDS) * (scale.max - scale.min);
-    return Number((Math.round(exact / unit) * unit).toFixed(decimals));
+    return Number((Math.round(exact / unit) * unit).toPrecision(12));
   }
   if (scale.zero && place < ZERO) return 0;
   const share = scale.zero ? (place - ZERO) / (ENDS - ZERO) : place / ENDS;
   return Number((scale.min * (scale.max / scale.min) ** share).toPrecision(3));
+}
+
+/**
+ * The significant digits that distinguish the values of a scale: three, more where it is narrow.
+ * @param {Scale} scale
+ */
+export function digitsOf({min, max, kind}) {
+  if (kind === 'log' || !(max > min)) return 3;
+  return 3 + Math.max(0, Math.floor(Math.log10(Math.max(Math.abs(min), Math.abs(max)) / (max - min))));
 }
 
 /**

@@ -215,6 +215,7 @@ RENEW = """async ([path, theme]) => {
   document.querySelector('#tab-curves').click();
   const shown = document.querySelector('#panel-inject .heading [aria-expanded=true]');
   if (shown) shown.click();
+  document.querySelector('#panel-truth.open .heading .link')?.click();
   sessionStorage.clear();
   localStorage.clear();
   act.theme(theme);

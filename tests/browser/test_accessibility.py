@@ -9,6 +9,16 @@ from tests.browser.live_helpers import FONTS, SET_FONT, opened, rested, until
 
 AXE = (Path(axe_playwright_python.__file__).parent / "axe.min.js").read_text() + ";0"
 UNFOLD = "for (const one of document.querySelectorAll('.lights, .heading .link[aria-expanded], .dots')) one.click()"
+#: The panel Reality with all its sections, a further state and a refused number.
+REALITY = """(() => {
+  document.querySelector('#panel-truth .heading .link').click();
+  for (const one of document.querySelectorAll('#panel-truth details')) one.open = true;
+  document.querySelector('.truth-section:last-of-type > .link').click();
+  const number = document.querySelector('.truth-row input.number');
+  number.value = 'x';
+  number.dispatchEvent(new Event('change'));
+})()"""
+FOLDED = "for (const one of document.querySelectorAll('.truth-foot .link, #panel-truth .heading .link')) one.click()"
 #: Colours that fade have their final values: axe measures the contrast of the present ones.
 FADED = """(async () => {
   await drawn();
@@ -21,6 +31,7 @@ DIALOGS = {"equations": "e", "share": "s", "keys": "?"}
 STATES = {
     "as it opens": ("0", "0", "body"),
     "unfolded": (UNFOLD, UNFOLD, ".left, .right"),
+    "reality": (REALITY, FOLDED, ".left"),
     "export": (
         "document.querySelector('.actions button:nth-child(2)').click()",
         "document.querySelector('dialog[open]').close()",

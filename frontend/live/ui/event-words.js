@@ -3,6 +3,7 @@
 import {number} from '../../common/dom.js';
 import {called, plain} from '../../common/names.js';
 import {amount} from '../../diagnosis/fault-size.js';
+import {complete, differences} from '../../widgets/truth-differences.js';
 import {say, t} from '../../i18n/words.js';
 
 /** @import {Plant} from '../../pages/types.js' */
@@ -121,6 +122,10 @@ const WORDS = {
   },
   signal: ({name}) => t('page.events.signal', {name}),
   noise: ({event, name}) => t('page.events.noise', {name, size: valueText(event.value)}),
+  truth: ({event, plant}) => {
+    const parts = differences(complete(/** @type {service.Truth} */ (event.value)), plant);
+    return parts.length > 0 ? t('page.events.truth', {parts}) : say(event.message);
+  },
   'observer-added': ({event}) => t('page.events.observer-added', {label: event.subject}),
   'observer-removed': ({event}) => t('page.events.observer-removed', {label: event.subject}),
   alarm: ({event, plant}) => alarm(event, plant),
