@@ -48,6 +48,7 @@ def parser(say: Words) -> argparse.ArgumentParser:
     serve = commands.add_parser("serve", help=say("cli.serve"))
     serve.add_argument("--host", help=say("cli.help.host"))
     serve.add_argument("--port", type=int, help=say("cli.help.port"))
+    serve.add_argument("--read-only", action="store_true", help=say("cli.help.read-only"))
     serve.add_argument("--open", action="store_true", help=say("cli.help.open"))
     serve.set_defaults(command=_serve)
 
@@ -157,7 +158,7 @@ def _serve(options: argparse.Namespace, say: Words) -> int:
     from thetascope.server.app import Started, serve
     from thetascope.settings import load
 
-    settings = load(host=options.host, port=options.port)
+    settings = load(host=options.host, port=options.port, read_only=1 if options.read_only else None)
 
     def ready(started: Started) -> None:
         announce(started, settings, say)

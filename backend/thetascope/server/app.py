@@ -53,13 +53,16 @@ _WARM = 2
 """Workers that wait for their first computation."""
 
 
-def create_app(settings: Settings | None = None) -> FastAPI:
-    """Return the application. Its store is opened at startup and closed at shutdown. Raises SettingsError."""
+def create_app(settings: Settings | None = None, database: Database | None = None) -> FastAPI:
+    """Return the application. Its store is opened at startup, if it is not given, and closed at shutdown.
+
+    Raises SettingsError.
+    """
     settings = settings or load()
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        app.state.services = Services.start(settings)
+        app.state.services = Services.start(settings, database)
         Thread(target=_warm, args=(app.state.services,), name="warm", daemon=True).start()
         yield
         await run_in_threadpool(app.state.services.close)
@@ -146,8 +149,8 @@ def serve(settings: Settings, ready: Callable[[Started], None] = lambda started:
     import uvicorn
 
     cache.folder()
-    Database(settings.store).close()
-    app = create_app(settings)
+    database = Database.for_service(settings.store, bool(settings.read_only))
+    app = create_app(settings, database)
     gate: Gate = app.state.gate
     key = gate.file.ensured()[1] if gate.expects_others else None
     config = uvicorn.Config(
@@ -181,4 +184,5 @@ def serve(settings: Settings, ready: Callable[[Started], None] = lambda started:
     try:
         Server(config).run()
     finally:
+        database.close()
         prewarm.end(beside)

@@ -34,9 +34,31 @@ class Database:
         self._locks = {"read": threading.RLock(), "write": threading.RLock()}
         self._engines = {name: self.backend.engine(name == "write") for name in ("read", "write")}
         self._held: dict[str, Connection] = {}
+        self._owned = False
         with self._explained():
             self.backend.prepare()
         self._migrate()
+
+    @classmethod
+    def for_service(cls, place: Path | str, read_only: bool) -> "Database":
+        """Open a store as its owner, or for reading only. Raises StoreError, also if another process owns it."""
+        database = cls(place, read_only=read_only)
+        try:
+            if not read_only:
+                database.own()
+        except StoreError:
+            database.close()
+            raise
+        return database
+
+    def own(self) -> None:
+        """Become the owner of the store until it is closed. Others still read, and write runs of their own.
+
+        Raises StoreError with the name of the process that is the owner.
+        """
+        with self._locks["write"], self._explained(), self._connection("write") as connection:
+            self._take(connection)
+            self._owned = True
 
     @property
     def place(self) -> str:
@@ -69,15 +91,36 @@ class Database:
                 if connection is not None:
                     connection.close()
                 engine.dispose()
+        self.backend.disown()
 
     @contextmanager
     def _connection(self, name: str) -> Iterator[Connection]:
         """Yield the connection that is held for a purpose, in a transaction; connect again if it was lost."""
         connection = self._held.get(name)
-        if connection is None or connection.closed or connection.invalidated:
-            connection = self._held[name] = self._engines[name].connect()
+        if connection is None or connection.invalidated or not self.backend.alive(connection):
+            connection = self._held[name] = self._connect(name)
         with connection.begin():
             yield connection
+
+    def _connect(self, name: str) -> Connection:
+        """Return a new connection for a purpose; the one for writing is again that of the owner."""
+        lost = self._held.pop(name, None)
+        if lost is not None:
+            lost.close()
+        connection = self._engines[name].connect()
+        try:
+            if name == "write" and self._owned:
+                self._take(connection)
+                connection.rollback()
+        except BaseException:
+            connection.close()
+            raise
+        return connection
+
+    def _take(self, connection: Connection) -> None:
+        owner = self.backend.own(connection)
+        if owner is not None:
+            raise StoreError(Message("store.owned", path=self.place, owner=owner))
 
     @contextmanager
     def _explained(self) -> Iterator[None]:
@@ -97,6 +140,8 @@ class Database:
             return
         if version > len(MIGRATIONS):
             raise StoreError(Message("store.newer", path=self.place, version=version, known=len(MIGRATIONS)))
+        if self.read_only:
+            raise StoreError(Message("store.older", path=self.place, version=version, known=len(MIGRATIONS)))
         with self.writing() as connection:
             backend.lock_schema(connection)
             for steps in MIGRATIONS[backend.version(connection) :]:
@@ -114,8 +159,8 @@ def backend_of(place: Path | str, timeout: float, read_only: bool) -> Backend:
         return SQLite(Path(place), timeout, read_only)
     try:
         url = make_url(place)
-    except ArgumentError:
-        raise StoreError(Message("store.address", path=place.partition("@")[2] or place)) from None
+    except (ArgumentError, ValueError):
+        raise StoreError(Message("store.address", path=place.rpartition("@")[2])) from None
     kind = url.drivername.partition("+")[0]
     if kind in ("postgresql", "postgres"):
         return PostgreSQL(url, timeout, read_only)

@@ -1,16 +1,19 @@
 """A store in a PostgreSQL database."""
 
-import os
+import hashlib
 import re
-import socket
 
 from sqlalchemy import URL, Connection, Engine, create_engine, text
 from sqlalchemy.exc import DBAPIError
 
 from thetascope.messages import Message
+from thetascope.store.owner_file import identity
 
 _TYPES = {"REAL": "DOUBLE PRECISION", "BLOB": "BYTEA", "INTEGER": "BIGINT"}
 _MIGRATING = 0x7468657461  # key of the lock that is held during a migration
+_HOLDER = """SELECT application_name FROM pg_locks JOIN pg_stat_activity USING (pid)
+WHERE locktype = 'advisory' AND granted AND ((classid::bigint << 32) | objid::bigint) = :key
+AND database = (SELECT oid FROM pg_database WHERE datname = current_database())"""
 
 
 class PostgreSQL:
@@ -34,11 +37,31 @@ class PostgreSQL:
         if self._read_only:
             options += " -c default_transaction_read_only=on"
         arguments = {
-            "application_name": f"thetascope {os.getpid()} on {socket.gethostname()}"[:63],
+            "application_name": identity()[:63],
             "connect_timeout": 10,
             "options": options,
         }
         return create_engine(self._url, connect_args=arguments, pool_pre_ping=True, hide_parameters=True)
+
+    def own(self, connection: Connection) -> str | None:
+        """Become the owner and return None, or return who is. The lock ends with the connection."""
+        schema = connection.execute(text("SELECT current_schema()")).scalar_one()
+        key = {"key": int.from_bytes(hashlib.sha256(f"thetascope {schema}".encode()).digest()[:8], "big") >> 1}
+        if connection.execute(text("SELECT pg_try_advisory_lock(:key)"), key).scalar_one():
+            return None
+        return connection.execute(text(_HOLDER), key).scalar() or "another process"
+
+    def disown(self) -> None:
+        """Do nothing: the lock ends with the connection."""
+
+    def alive(self, connection: Connection) -> bool:
+        """Return whether the server still answers on a connection."""
+        try:
+            connection.exec_driver_sql("SELECT 1")
+            connection.rollback()
+        except DBAPIError:
+            return False
+        return True
 
     def version(self, connection: Connection) -> int:
         """Return the version of the schema, 0 for an empty database."""

@@ -8,6 +8,8 @@ from sqlalchemy.exc import DBAPIError
 from sqlalchemy.pool import NullPool
 
 from thetascope.messages import Message
+from thetascope.store.errors import StoreError
+from thetascope.store.owner_file import OwnerFile
 
 
 class SQLite:
@@ -22,11 +24,26 @@ class SQLite:
 
     def __init__(self, path: Path, timeout: float, read_only: bool) -> None:
         self.path, self.place, self._timeout, self._read_only = path, str(path), timeout, read_only
+        self._owner = OwnerFile(path)
 
     def prepare(self) -> None:
-        """Create the folder of the file. Raises OSError."""
+        """Create the folder of the file. Raises OSError, or StoreError for a file that should be there."""
         if not self._read_only:
             self.path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        elif not self.path.is_file():
+            raise StoreError(Message("store.absent", path=self.place))
+
+    def own(self, connection: Connection) -> str | None:
+        """Become the owner and return None, or return who is. The lock ends with the process."""
+        return self._owner.take()
+
+    def disown(self) -> None:
+        """Be no longer the owner."""
+        self._owner.release()
+
+    def alive(self, connection: Connection) -> bool:
+        """Return whether a connection can be used: one to a file can."""
+        return True
 
     def engine(self, writing: bool) -> Engine:
         """Return an engine whose transactions lock the file from their beginning if they are for writing."""

@@ -28,9 +28,9 @@ class Services:
     database: Database
 
     @classmethod
-    def start(cls, settings: Settings) -> "Services":
-        """Open the store and start the manager. Raises StoreError."""
-        database = Database(settings.store)
+    def start(cls, settings: Settings, database: Database | None = None) -> "Services":
+        """Open the store, if it is not given, and start the manager. Raises StoreError."""
+        database = database or Database.for_service(settings.store, bool(settings.read_only))
         preload(PRELOADED)
         limits = Limits(settings.job_seconds, settings.job_cpu, settings.job_memory)
         workers = Workers(settings.workers, limits, settings.queue)

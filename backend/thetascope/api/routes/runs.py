@@ -94,13 +94,13 @@ async def get_progress(id: str, services: Use, language: Language, wait: Wait = 
     return progress_response(await run_in_threadpool(services.runs.get, id), language)
 
 
-@router.post("/{id}/cancel", response_model=Run, responses=documented(404))
+@router.post("/{id}/cancel", response_model=Run, responses=documented(404, 409))
 def cancel_run(id: str, services: Use, language: Language) -> Response:
     """Request an active run to stop. A run that has ended stays unchanged."""
     return run_response(services.runs.cancel(id), language)
 
 
-@router.delete("/{id}", status_code=204, responses={202: {"model": Run}, **documented(404)})
+@router.delete("/{id}", status_code=204, responses={202: {"model": Run}, **documented(404, 409)})
 def delete_run(id: str, services: Use, language: Language) -> Response:
     """Cancel an active run (202), or remove one that has ended, with its spec and result (204)."""
     snapshot = services.runs.cancel(id)

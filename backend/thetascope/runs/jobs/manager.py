@@ -143,7 +143,10 @@ class RunManager:
         job = self._jobs.get(id)
         if job is not None:
             self._cancel(job)
-        return self.get(id)
+        snapshot = self.get(id)
+        if job is None and snapshot.active and self._store.read_only:
+            raise NotReady(Message("run.elsewhere", id=id))
+        return snapshot
 
     def remove(self, id: str) -> None:
         """Remove a run that has ended, with its spec. Raises :class:`Unknown`."""
