@@ -10,7 +10,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
 
 from thetascope.messages import Message
 
@@ -96,6 +96,9 @@ class Settings:
     #: Largest message of a viewer, and how many it may send in a second (more are read more slowly).
     max_message: int = 256 * 1024
     message_rate: float = 60.0
+    #: Log lines on standard error: text, or json (one object per line); whether each request gets one (1), too.
+    log: Literal["text", "json"] = "text"
+    log_requests: int = 0
     #: How far a slow viewer may lag, in bytes of samples; beyond it, samples are skipped.
     backlog: int = 8 * 1024**2
 
@@ -128,6 +131,10 @@ def default_data(environ: Mapping[str, str]) -> Path:
 
 
 def _parse(name: str, text: str, kind: object) -> Any:
+    if get_origin(kind) is Literal:
+        if text not in get_args(kind):
+            raise SettingsError(Message("settings.no-choice", name=name, value=text, choices=list(get_args(kind))))
+        return text
     try:
         if kind is Path:
             return Path(text).expanduser()

@@ -134,6 +134,11 @@ export interface AlgebraicVariableInput {
   description?: string | {[name: string]: string};
 }
 
+/** The service answers. */
+export interface Alive {
+  status: 'alive';
+}
+
 /** The check of one assumption of an observer's theorem for the plant, the gains and the run. */
 export interface AssumptionCheck {
   name: Text;
@@ -1029,6 +1034,19 @@ export interface GainLabels {
   columns: (string)[];
 }
 
+/** The versions and the usage of the service. */
+export interface Health {
+  status: 'ok';
+  /** Version of the program. */
+  version: string;
+  /** Version of the schemas. */
+  schema_version: number;
+  /** Version of the numbers: results of other versions are computed again. */
+  engine: string;
+  runs: RunUsage;
+  workers: WorkUsage;
+}
+
 /** The first message on a connection: everything that a page needs to display the session. */
 export interface Hello {
   type: 'hello';
@@ -1869,6 +1887,22 @@ export interface RandomWalkFaultInput {
   sample_time?: number;
 }
 
+/** Whether the service accepts work; status 503 if it does not. */
+export interface Ready {
+  status: 'ready' | 'not ready';
+  checks: (ReadyCheck)[];
+  /** Free bytes of the folder of the store. */
+  free: number;
+}
+
+/** One condition for accepting work. */
+export interface ReadyCheck {
+  name: 'store' | 'disk' | 'queue';
+  ok: boolean;
+  /** Its present value, or why it does not hold. */
+  detail: string;
+}
+
 /** Equally spaced samples of ``t``, inputs, signals and outputs of the plant: columns, or CSV with a header. */
 export interface Record {
   /** Id of a library plant, or a complete plant. */
@@ -2026,6 +2060,20 @@ export interface RunSummary {
   notes: (Text)[];
   /** Wall time of each stage in s. */
   seconds: {[name: string]: number};
+}
+
+/** Runs and the space of their results. */
+export interface RunUsage {
+  /** Runs that wait or are computed. */
+  active: number;
+  /** Runs in the store. */
+  runs: number;
+  /** Results in the store. */
+  results: number;
+  /** Bytes of these results. */
+  bytes: number;
+  /** Bytes that results may take. */
+  limit: number;
 }
 
 /** Sampled measurement: observers see y at 0, period, 2·period, …, held in between. */
@@ -2778,4 +2826,10 @@ export interface WindowComparison {
 export interface Words {
   en: string;
   zh: string;
+}
+
+/** Computations in worker processes. */
+export interface WorkUsage {
+  running: number;
+  waiting: number;
 }

@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
 
 import pytest
 
@@ -16,17 +17,17 @@ ROOT = Path(__file__).parents[2]
 
 
 @contextmanager
-def process(data: Path, **settings: object) -> Iterator[tuple[subprocess.Popen, str]]:
+def process(data: Path, stderr: IO[bytes] | None = None, **settings: object) -> Iterator[tuple[subprocess.Popen, str]]:
     """Start the service on a free port; return its process and address. Settings as in backend/thetascope/settings.py.
 
-    Computations have more time than by default: the tests share the processors.
+    `stderr` gets its log lines. Computations have more time than by default: the tests share the processors.
     """
     environment = {name: value for name, value in os.environ.items() if not name.startswith("THETASCOPE_")}
     defaults = {"prepare": 0, "job_seconds": 300, "job_cpu": 300}
     environment |= {f"THETASCOPE_{name.upper()}": str(value) for name, value in {**defaults, **settings}.items()}
     environment |= {"THETASCOPE_DATA": str(data), "PYTHONUNBUFFERED": "1"}
     command = [sys.executable, "-m", "thetascope.cli.main", "serve", "--port", "0"]
-    started = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True)
+    started = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=stderr, text=True)
     try:
         line = started.stdout.readline()
         assert "http://" in line, f"the service did not start: {line!r}"

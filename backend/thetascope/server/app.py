@@ -11,16 +11,17 @@ from urllib.parse import urlencode
 
 from fastapi import APIRouter, FastAPI
 from starlette.concurrency import run_in_threadpool
-from starlette.responses import Response
 
 from thetascope import __version__, library
 from thetascope.access.gate import Gate
 from thetascope.api.http import openapi, problems, static_pages
-from thetascope.api.http.answers import json_response
 from thetascope.api.http.browser_security import Security
 from thetascope.api.http.hosts import AllowedHosts
 from thetascope.api.http.language import ContentLanguage
-from thetascope.api.http.services import Services, Use
+from thetascope.api.http.services import Services
+from thetascope.api.operation import health, log_format
+from thetascope.api.operation.metrics import Metrics
+from thetascope.api.operation.request_log import RequestLog
 from thetascope.api.routes import (
     catalogue,
     equations,
@@ -35,11 +36,9 @@ from thetascope.api.routes import (
 )
 from thetascope.api.sign_in.require_key import RequireKey
 from thetascope.engine.compiler import cache
-from thetascope.runs.results.engine_version import engine_version
 from thetascope.server import prewarm
 from thetascope.settings import Settings, load
 from thetascope.store import Database
-from thetascope_schemas.experiment.base import SCHEMA_VERSION
 
 DESCRIPTION = """Adaptive observers finding faults: plants as text, experiments as data, runs by the hash of their spec.
 
@@ -59,10 +58,12 @@ def create_app(settings: Settings | None = None, database: Database | None = Non
     Raises SettingsError.
     """
     settings = settings or load()
+    metrics = Metrics()
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        app.state.services = Services.start(settings, database)
+        app.state.services = Services.start(settings, database, metrics.run_ended)
+        metrics.watch(app.state.services)
         Thread(target=_warm, args=(app.state.services,), name="warm", daemon=True).start()
         yield
         await run_in_threadpool(app.state.services.close)
@@ -80,9 +81,12 @@ def create_app(settings: Settings | None = None, database: Database | None = Non
     app.add_middleware(ContentLanguage)
     app.state.hosts = AllowedHosts(settings.hosts, settings.host)
     app.add_middleware(Security, hosts=app.state.hosts)
+    app.add_middleware(RequestLog, metrics=metrics)  # the outermost: it sees every request and answer
+    app.state.metrics = metrics
     problems.install(app)
     openapi.install(app)
     app.include_router(_api())
+    app.include_router(health.metrics_router)
     app.include_router(static_pages.router)
     static_pages.serve_frontend(app)
     return app
@@ -100,19 +104,19 @@ def _warm(services: Services) -> None:
 def _api() -> APIRouter:
     api = APIRouter(prefix="/api")
 
-    @api.get("/health", response_model=None, tags=["service"])
-    def health(services: Use) -> Response:
-        """Return whether the service and its store work, and the versions of program, schema and numbers."""
-        versions = {"version": __version__, "schema": SCHEMA_VERSION, "engine": engine_version()}
-        usage = {"runs": services.runs.usage(), "workers": services.workers.usage()}
-        return json_response({"status": "ok", **versions, **usage})
-
-    @api.get("/health/live", tags=["service"], response_model=None)
-    async def live() -> Response:
-        """Return that the process answers. It needs no access key, and tells nothing else."""
-        return json_response({"status": "ok"})
-
-    for part in (catalogue, plants, equations, gain_defaults, lessons, messages, records, runs, run_results, sessions):
+    for part in (
+        health,
+        catalogue,
+        plants,
+        equations,
+        gain_defaults,
+        lessons,
+        messages,
+        records,
+        runs,
+        run_results,
+        sessions,
+    ):
         api.include_router(part.router)
 
     return api
@@ -148,6 +152,7 @@ def serve(settings: Settings, ready: Callable[[Started], None] = lambda started:
     """
     import uvicorn
 
+    log_format.install(settings)
     cache.folder()
     database = Database.for_service(settings.store, bool(settings.read_only))
     app = create_app(settings, database)
@@ -157,7 +162,8 @@ def serve(settings: Settings, ready: Callable[[Started], None] = lambda started:
         app,
         host=settings.host,
         port=settings.port,
-        log_level="warning",
+        log_config=None,
+        access_log=False,
         server_header=False,
         ws="websockets-sansio",
         ws_per_message_deflate=False,

@@ -1,5 +1,6 @@
 """The services used by the routers, one set per application."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -28,13 +29,18 @@ class Services:
     database: Database
 
     @classmethod
-    def start(cls, settings: Settings, database: Database | None = None) -> "Services":
-        """Open the store, if it is not given, and start the manager. Raises StoreError."""
+    def start(
+        cls,
+        settings: Settings,
+        database: Database | None = None,
+        run_ended: Callable[[str, float], None] = lambda outcome, seconds: None,
+    ) -> "Services":
+        """Open the store, if it is not given, and start the manager; `run_ended`: see RunManager. Raises StoreError."""
         database = database or Database.for_service(settings.store, bool(settings.read_only))
         preload(PRELOADED)
         limits = Limits(settings.job_seconds, settings.job_cpu, settings.job_memory)
         workers = Workers(settings.workers, limits, settings.queue)
-        runs = RunManager(settings, RunStore(database, settings.store_limit), workers)
+        runs = RunManager(settings, RunStore(database, settings.store_limit), workers, run_ended)
         return cls(settings, workers, runs, Hub(settings, workers), database)
 
     def end_computations(self) -> None:

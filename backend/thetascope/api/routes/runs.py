@@ -13,6 +13,7 @@ from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed
 from thetascope.api.http.services import Use
+from thetascope.api.operation.request_log import audit
 from thetascope.runs.jobs.job import Job, Snapshot
 from thetascope.runs.specs.run_requests import parse_request
 from thetascope_schemas.service.answers import RunList
@@ -95,29 +96,37 @@ async def get_progress(id: str, services: Use, language: Language, wait: Wait = 
 
 
 @router.post("/{id}/cancel", response_model=Run, responses=documented(404, 409))
-def cancel_run(id: str, services: Use, language: Language) -> Response:
+def cancel_run(request: Request, id: str, services: Use, language: Language) -> Response:
     """Request an active run to stop. A run that has ended stays unchanged."""
-    return run_response(services.runs.cancel(id), language)
+    snapshot = services.runs.cancel(id)
+    audit(request, "run.cancelled", run=id, status=snapshot.status)
+    return run_response(snapshot, language)
 
 
 @router.delete("/{id}", status_code=204, responses={202: {"model": Run}, **documented(404, 409)})
-def delete_run(id: str, services: Use, language: Language) -> Response:
+def delete_run(request: Request, id: str, services: Use, language: Language) -> Response:
     """Cancel an active run (202), or remove one that has ended, with its spec and result (204)."""
     snapshot = services.runs.cancel(id)
     if snapshot.active:
+        audit(request, "run.cancelled", run=id, status=snapshot.status)
         return run_response(snapshot, language, 202)
     services.runs.remove(id)
+    audit(request, "run.removed", run=id)
     return Response(status_code=204)
 
 
 @router.put("/{id}/pin", response_model=Run, responses=documented(404, 409))
 @router.post("/{id}/pin", response_model=Run, responses=documented(404, 409))
-def pin_run(id: str, services: Use, language: Language) -> Response:
+def pin_run(request: Request, id: str, services: Use, language: Language) -> Response:
     """Keep the run's result even when the store needs space."""
-    return run_response(services.runs.pin(id, True), language)
+    pinned = services.runs.pin(id, True)
+    audit(request, "run.pinned", run=id)
+    return run_response(pinned, language)
 
 
 @router.delete("/{id}/pin", response_model=Run, responses=documented(404, 409))
-def unpin_run(id: str, services: Use, language: Language) -> Response:
+def unpin_run(request: Request, id: str, services: Use, language: Language) -> Response:
     """Allow the store to drop the run's result when it needs space."""
-    return run_response(services.runs.pin(id, False), language)
+    unpinned = services.runs.pin(id, False)
+    audit(request, "run.unpinned", run=id)
+    return run_response(unpinned, language)

@@ -15,6 +15,7 @@ from thetascope.api.http.problems import documented, problem_response
 from thetascope.api.http.read_body import body_schema, json_of, parsed, read_body
 from thetascope.api.http.services import Services, Use
 from thetascope.api.http.session_bodies import ForkRequest, SessionRequest
+from thetascope.api.operation.request_log import audit
 from thetascope.api.routes import time_span
 from thetascope.api.routes.session_stream import Stream, matches
 from thetascope.engine.errors import Unwatchable
@@ -93,12 +94,15 @@ async def get_session(id: str, services: Use, language: Language) -> Response:
 
 
 @router.delete("/{id}", status_code=204, response_model=None, responses={**documented(404), **_FORBIDDEN})
-async def end_session(id: str, services: Use, language: Language, token: ControlToken = "") -> Response:
+async def end_session(
+    request: Request, id: str, services: Use, language: Language, token: ControlToken = ""
+) -> Response:
     """End a session for all its viewers."""
     room = _room(services, id)
     if not matches(token, room.token):
         return _wrong_token(language)
     services.live.close(room)
+    audit(request, "session.ended", session=id)
     return Response(status_code=204)
 
 

@@ -22,6 +22,7 @@ from thetascope.access.wrong_keys import WrongKeys
 from thetascope.api.http.browser_security import close_socket
 from thetascope.api.http.language import language_of
 from thetascope.api.http.problems import problem_response
+from thetascope.api.operation.request_log import audit
 from thetascope.api.sign_in.open_sockets import OpenSockets
 from thetascope.api.sign_in.presented import is_https, presented
 from thetascope.api.sign_in.sign_in_page import sign_in_page
@@ -32,7 +33,7 @@ from thetascope_schemas.service.session import CLOSE_SIGN_IN, CLOSE_SOCKETS
 
 log = logging.getLogger(__name__)
 
-OPEN = {"/api/health/live"}
+OPEN = {"/api/health/live", "/api/health/ready"}
 """Addresses that need no key."""
 PAGE, LEAVE = "/sign-in", "/sign-out"
 _FORM = 4096
@@ -129,7 +130,7 @@ class RequireKey:
 
     def _signed_in(self, request: Request, ticket: str, goal: str) -> Response:
         """Return the answer that gives a browser its ticket."""
-        log.info("Sign-in from %s", request.client.host if request.client else "?")
+        audit(request, "signed-in")
         answer = _to(goal)
         keys = self._gate.file.current()
         assert keys is not None

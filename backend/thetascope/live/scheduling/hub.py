@@ -86,6 +86,12 @@ class Hub:
     def __len__(self) -> int:
         return len(self._rooms)
 
+    def usage(self) -> dict[str, int]:
+        """Return the open sessions, their viewers, and the frames so far with those that were late."""
+        frames, late = (0, 0) if self._scheduler is None else (self._scheduler.frames, self._scheduler.frames_late)
+        viewers = sum(len(room.broadcast.viewers) for room in list(self._rooms.values()))
+        return {"sessions": len(self._rooms), "viewers": viewers, "frames": frames, "frames_late": late}
+
     def find(self, id: str) -> "Room | None":
         """Return the room of a session; None if the hub has no such session."""
         return self._rooms.get(id)

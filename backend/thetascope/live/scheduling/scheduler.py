@@ -54,6 +54,7 @@ class Scheduler:
         self._timer: asyncio.TimerHandle | None = None
         self._running = False
         self._stopped = False
+        self.frames, self.frames_late = 0, 0  # late: by more than the time of one frame
 
     def wake(self, room: ScheduledRoom, at: float) -> None:
         """Tick a room at a time, or earlier if that is scheduled already."""
@@ -116,6 +117,8 @@ class Scheduler:
                 at, _, room = heappop(self._due)
                 if self._when.get(room) == at:
                     del self._when[room]
+                    self.frames += 1
+                    self.frames_late += now - at > FRAME
                     following = self._guarded(room, room.tick, at)
                     if following is not None:
                         self.wake(room, following)

@@ -1,6 +1,8 @@
 """The run manager: access to every run, whether active, in memory or in the store."""
 
 import logging
+import time
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from threading import Lock
@@ -32,9 +34,19 @@ class RunManager:
     A spec that was run before is answered from memory or from the store; one that is running now joins that run. Any
     other is prepared and run in a worker process, and its result is written to the store in the background. A result
     that is lost in a crash is recomputed from its spec.
+
+    `ended` is called for each run that was computed, with its outcome (done, failed, cancelled, refused) and the
+    seconds since its request.
     """
 
-    def __init__(self, settings: Settings, store: RunStore, workers: Workers) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        store: RunStore,
+        workers: Workers,
+        ended: Callable[[str, float], None] = lambda outcome, seconds: None,
+    ) -> None:
+        self._ended = ended
         self._room = settings.queue + settings.workers
         self._store = store
         self._memory = Memory(settings.memory)
@@ -168,6 +180,15 @@ class RunManager:
         """Return the number of active runs, and the store's usage."""
         return {"active": len(self._jobs), **self._store.usage()}
 
+    def queue(self) -> tuple[int, int]:
+        """Return the number of active runs, and how many there may be."""
+        return len(self._jobs), self._room
+
+    @property
+    def not_stored(self) -> int:
+        """How many runs could not be written to the store since the start."""
+        return self._writer.failures
+
     def cancel_all(self) -> None:
         """Cancel the active runs."""
         for job in list(self._jobs.values()):
@@ -228,6 +249,7 @@ class RunManager:
             if isinstance(end, Ended):
                 self._memory.put(end)
             del self._jobs[job.id]
+        self._ended("refused" if isinstance(end, InvalidSpec) else end.snapshot.status, time.time() - job.created)
         if isinstance(end, InvalidSpec):
             job.done.set_exception(end)
             return

@@ -21,6 +21,8 @@ class Writer:
     def __init__(self) -> None:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="store")
         self._room = BoundedSemaphore(_WAITING)
+        self.failures = 0
+        """Queued writes that failed."""
 
     def later(self, write: Callable[[], object]) -> None:
         """Queue a write. A failure is logged: the run stays in memory and can be recomputed."""
@@ -43,6 +45,7 @@ class Writer:
         try:
             write()
         except StoreError as error:
+            self.failures += 1
             log.error("A run was not stored. %s", error)
         finally:
             self._room.release()

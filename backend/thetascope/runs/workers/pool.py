@@ -17,7 +17,7 @@ from thetascope.messages import Message
 from thetascope.runs.specs.refusals import Busy
 from thetascope.runs.workers.computation import Computation, Report, packed
 from thetascope.runs.workers.last_minute import LastMinute
-from thetascope.runs.workers.limits import Crashed, Ended, Limits, cpu_limit, memory_limit, time_limit
+from thetascope.runs.workers.limits import Crashed, Ended, LimitReached, Limits, cpu_limit, memory_limit, time_limit
 from thetascope.runs.workers.process import Gone, WorkerProcess
 from thetascope.runs.workers.shares import Shares
 from thetascope.runs.workers.turns import Turns
@@ -60,6 +60,7 @@ class Workers:
         self._limits, self._queue = limits, queue
         self._quick, self._slow = _Lane(), _Lane()
         self._shares, self._minute = Shares(), LastMinute()
+        self._outcomes = Counter(dict.fromkeys(_OUTCOMES.values(), 0) | {"done": 0, "failed": 0})
         self._idle: list[WorkerProcess] = []
         self._shared: OrderedDict[bytes, Computation] = OrderedDict()
         self._threads: set[Thread] = set()
@@ -126,6 +127,11 @@ class Workers:
         with self._lock:
             return self._minute.used(client), self._minute.wait(client, most)
 
+    def outcomes(self) -> dict[str, int]:
+        """Return how many computations have ended, by outcome; an exception of the computation itself is done, too."""
+        with self._lock:
+            return dict(self._outcomes)
+
     def close(self) -> None:
         """End all computations and processes. Computations that waited or ran fail with Busy."""
         with self._lock:
@@ -147,7 +153,7 @@ class Workers:
         with self._lock:
             waiting = sum(c.client == computation.client for c in lane.waiting)
             refusal = _stopping() if self._closed else None
-            if waiting >= self._queue:
+            if waiting >= self._queue and not lane.may_take(computation.client, self._places, self._most):
                 refusal = Busy(Message("work.queue-full", n=waiting))
             if refusal is None:
                 lane.waiting.add(computation)
@@ -195,6 +201,8 @@ class Workers:
         keep = process is not None and turn.clean and not process.nice
         keep = keep and process is not None and process.grown <= _KEPT * self._limits.memory
         with self._lock:
+            if not turn.again:
+                self._outcomes[_outcome(turn)] += 1
             turn.lane.active[computation.client] -= 1
             turn.lane.active += Counter()  # drops clients with nothing under way
             if turn.again and self._closed:
@@ -296,6 +304,7 @@ class Workers:
             turn.value = value
         else:
             turn.error = memory_limit(computation.limits) if kind == "memory" else value
+            turn.from_task = kind != "memory"
         return True
 
     def _stays(self, turn: "_Turn") -> bool:
@@ -312,14 +321,25 @@ class Workers:
 
 
 class _Turn:
-    """A computation in a process: its lane now, its outcome, or that it begins again; whether the process is clean."""
+    """A computation in a process: its lane now, its outcome, or that it begins again; whether the process is clean,
+    and whether the error is the task's own."""
 
     def __init__(self, computation: Computation, lane: _Lane) -> None:
         self.computation, self.lane = computation, lane
         self.process: WorkerProcess | None = None
         self.value: Any = None
         self.error: Exception | None = None
-        self.again, self.clean = False, False
+        self.again, self.clean, self.from_task = False, False, False
+
+
+_OUTCOMES = {LimitReached: "limit", Ended: "cancelled", Busy: "refused", Crashed: "crashed"}
+
+
+def _outcome(turn: _Turn) -> str:
+    """Return the name of a turn's outcome."""
+    if turn.error is None or turn.from_task:
+        return "done"
+    return next((name for kind, name in _OUTCOMES.items() if isinstance(turn.error, kind)), "failed")
 
 
 def _plain(_: object, function: Callable[..., Any], *args: Any) -> Any:

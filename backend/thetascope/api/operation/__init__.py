@@ -1,0 +1,1 @@
+"""Operation: log lines, metrics, and whether the service is alive and ready."""
