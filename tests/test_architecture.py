@@ -90,7 +90,12 @@ def test_external_packages_of_each_package(imports: grimp.ImportGraph, package: 
 def test_every_external_package_is_declared(imports: grimp.ImportGraph):
     """Imported packages are in pyproject.toml, so that a new machine gets them."""
     declared = (ROOT / "pyproject.toml").read_text().split("dependencies = [")[1].split("\n]")[0]
-    spelt = {"yaml": "pyyaml", "pydantic_core": "pydantic", "starlette": "fastapi"}
+    spelt = {
+        "yaml": "pyyaml",
+        "prometheus_client": "prometheus-client",
+        "pydantic_core": "pydantic",
+        "starlette": "fastapi",
+    }
     used = imported_from_elsewhere(imports, "thetascope") | imported_from_elsewhere(imports, "thetascope_schemas")
     assert {spelt.get(name, name) for name in used if spelt.get(name, name) not in declared} == set()
 
