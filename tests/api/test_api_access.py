@@ -88,7 +88,7 @@ def test_every_address_is_closed_without_the_key(shared):
     }
     assert passed == set()
     live = shared.get("/api/health/live")
-    assert (live.status, live.content) == (200, b'{"status":"ok"}')
+    assert (live.status, live.content) == (200, b'{"status":"alive"}')
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ SCHEMES = {
     },
 }
 """Ways to show the access key. A service on loopback, and one with THETASCOPE_OPEN=1, asks for none of them."""
-_NO_KEY = ("/api/health/live", "/api/health/ready")
+_NO_KEY = ("/api/health/live",)
 
 BODIES = (Experiment, Plant, Record, RunRequest, SessionRequest, ForkRequest)
 

@@ -33,7 +33,7 @@ from thetascope_schemas.service.session import CLOSE_SIGN_IN, CLOSE_SOCKETS
 
 log = logging.getLogger(__name__)
 
-OPEN = {"/api/health/live", "/api/health/ready"}
+OPEN = {"/api/health/live"}
 """Addresses that need no key."""
 PAGE, LEAVE = "/sign-in", "/sign-out"
 _FORM = 4096
