@@ -2,6 +2,7 @@
 
 import {number} from '../common/dom.js';
 import {called} from '../common/names.js';
+import {t} from '../i18n/words.js';
 
 /** @import {Plant} from '../pages/types.js' */
 /** @import * as service from '../types/service.js' */
@@ -78,6 +79,31 @@ function sensorDifferences(output, {correlation, period, missing, jitter, adds},
  * @param {string} unit
  */
 export const perRoot = (unit) => `${/[/·*\s]/.test(unit) ? `(${unit})` : unit || '1'}/√s`;
+
+/**
+ * How the simulated plant of an experiment differs from the model, in sentences: from the beginning, and at the end where
+ * that changed meanwhile.
+ * @param {Pick<service.Experiment, 'truth' | 'commands'>} spec
+ * @param {Plant | null} plant
+ * @returns {string[]}
+ */
+export function sentences({truth, commands}, plant) {
+  const first = differences(complete(truth), plant);
+  const changes = commands.flatMap((one) => (one.command === 'set-truth' ? [one] : []));
+  const last = differences(complete(changes.at(-1)?.truth), plant);
+  return [
+    ...(first.length > 0 ? [t('page.truth.sentence', {parts: first})] : []),
+    ...(changes.length > 0
+      ? [
+          t('page.truth.changed', {
+            n: changes.length,
+            t: number(changes[0].at),
+            parts: last.length > 0 ? last : [{code: 'page.truth.none', args: {}}],
+          }),
+        ]
+      : []),
+  ];
+}
 
 /** @param {{name: string, unit: string}[] | undefined} items */
 const unitsOf = (items) => new Map((items ?? []).map((item) => [item.name, item.unit]));

@@ -6,7 +6,7 @@ import {test} from 'node:test';
 import * as edits from '../../frontend/live/panels/truth/truth-edits.js';
 import * as scales from '../../frontend/live/panels/truth/truth-scales.js';
 import {TruthSource} from '../../frontend/live/panels/truth/truth-source.js';
-import {AS_MODEL, complete, differences, perRoot} from '../../frontend/widgets/truth-differences.js';
+import {AS_MODEL, complete, differences, perRoot, sentences} from '../../frontend/widgets/truth-differences.js';
 import {position, value} from '../../frontend/widgets/slider-scale.js';
 import {randomNumbers} from './helpers.js';
 
@@ -148,6 +148,20 @@ test('the size of a state is declared, else its range so far, else from its doma
   assert.equal(size({domain: [0, 50]}, 4, 4), 5);
   assert.equal(size({}, NaN, NaN), 0.4);
   assert.equal(size({initial: 0}, 0, 0), 1);
+});
+
+test('an experiment is as the model, differs, or was changed during the run: nothing, a sentence, a second one', () => {
+  const truth = after(edits.setDeviation(0.1));
+  const change = {command: 'set-truth', at: 3, truth: AS_MODEL};
+  /** @param {Truth} first @param {object[]} commands */
+  const said = (first, ...commands) =>
+    sentences(/** @type {Parameters<typeof sentences>[0]} */ ({truth: first, commands}), PLANT).map(
+      (words) => words.split('(')[0], // without a catalogue, the code and its arguments
+    );
+  assert.deepEqual(said(complete(null)), []);
+  assert.deepEqual(said(truth, {command: 'set-gain', at: 1}), ['page.truth.sentence']);
+  assert.deepEqual(said(truth, change), ['page.truth.sentence', 'page.truth.changed']);
+  assert.deepEqual(said(complete(null), change), ['page.truth.changed']);
 });
 
 test('the unit of process noise is that of the state per root of a second', () => {

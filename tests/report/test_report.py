@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from markupsafe import Markup, escape
+from pydantic import TypeAdapter
 
 from tests.engine.loops import experiment as loop_experiment
 from tests.engine.loops import level
@@ -20,9 +21,11 @@ from thetascope.messages import Message
 from thetascope.report import words
 from thetascope.report.html_report import report
 from thetascope.report.words import ReportContext, mark
+from thetascope_schemas.experiment.commands import TimedCommand
 from thetascope_schemas.experiment.diagnosis import Diagnosis, ObserverDiagnosis
 
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(1)>\"'><svg onload=alert(1)>&lt;b&gt;"
+_COMMANDS = TypeAdapter(tuple[TimedCommand, ...])
 
 
 class Page(HTMLParser):
@@ -364,3 +367,18 @@ def test_the_inputs_of_a_loop_are_drawn_with_the_set_points():
     spec = loop_experiment(level(0.5), horizon=5)
     strips = json.dumps(build(FigureData(simulate(spec), spec, spec.plant, "light"), "inputs"), default=str)
     assert "<i>r</i>" in strips and "<i>q</i>" in strips
+
+
+def test_the_report_says_how_the_truth_was_changed_during_the_run(experiment, result, plant):
+    """Times and the differences at the end; back at the model, that it is as the model."""
+    said = {}
+    for name, last in {"changed": {"parameters": {"a1": 1.1}}, "as the model": {}}.items():
+        commands = [
+            {"at": 0.1, "command": "set-truth", "truth": {"deviation": 0.02}},
+            {"at": 0.2, "command": "set-truth", "truth": last},
+        ]
+        spec = experiment().model_copy(update={"commands": _COMMANDS.validate_python(commands)})
+        page = report(result(experiment()), spec, plant, {"id": "abc123", "created": "2025-01-01", "versions": {}})
+        said[name] = " ".join("".join(Page(page).text).split())
+    assert "changed 2 times during the run, first at 0.1 s. At the end: a1 = 1.1." in said["changed"]
+    assert "At the end: as the model." in said["as the model"]

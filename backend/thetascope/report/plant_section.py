@@ -5,8 +5,10 @@ from collections.abc import Iterator
 from markupsafe import Markup
 
 from thetascope.report.words import ReportContext, expression, mark, number, symbol, unit
+from thetascope_schemas.experiment.commands import SetTruth
 from thetascope_schemas.experiment.controllers import Controller
 from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.measurement import Truth
 from thetascope_schemas.experiment.plant import Plant
 
 _GIVEN = {"channel", "output", "shape", "onset", "end"}  # fields of a fault that have columns of their own
@@ -60,13 +62,22 @@ def timeline(report: ReportContext) -> Markup:
         "timeline.html",
         faults=report.table(head, rows, 2),
         noise=report.joined(noise),
-        truth=report.joined(list(_truth(report, spec))),
+        truth=report.joined(list(_truth(report, spec.truth))),
+        changed=_changed_truth(report, spec),
     )
 
 
-def _truth(report: ReportContext, spec: Experiment) -> Iterator[Markup]:
+def _changed_truth(report: ReportContext, spec: Experiment) -> Markup | str:
+    """Return a sentence on the truth at the end of the run, where it was changed during the run."""
+    changes = [command for command in spec.commands if isinstance(command, SetTruth)]
+    if not changes:
+        return ""
+    parts = list(_truth(report, changes[-1].truth)) or [report.say("report.truth-none")]
+    return report.say("report.truth-changed", n=len(changes), t=number(changes[0].at, 6), parts=report.joined(parts))
+
+
+def _truth(report: ReportContext, truth: Truth) -> Iterator[Markup]:
     """Yield the ways in which the simulated plant differs from the model."""
-    truth = spec.truth
     if truth.deviation:
         yield report.say("report.truth.deviation", percent=number(100 * truth.deviation))
     for name, value in truth.parameters.items():

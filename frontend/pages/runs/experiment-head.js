@@ -5,6 +5,7 @@ import {formField, stale} from './run-state.js';
 import {createForm} from './override-form.js';
 import {problemBlock} from '../../common/problem.js';
 import {timeline} from './fault-bars.js';
+import {sentences} from '../../widgets/truth-differences.js';
 import {named, t} from '../../i18n/words.js';
 
 /** @import {RunActions, RunState, RunStore} from '../types.js' */
@@ -17,6 +18,7 @@ import {named, t} from '../../i18n/words.js';
 export function mountHead(root, store, act) {
   const about = h('div', {class: 'about'});
   const plan = h('div');
+  const reality = h('div', {class: 'reality soft'});
   const form = createForm(store, act);
   const bar = h('progress', {max: 1, value: 0, 'aria-label': t('page.runs.running')});
   const status = h('p', {class: 'status', role: 'status'});
@@ -28,7 +30,7 @@ export function mountHead(root, store, act) {
   const start = h('button', {type: 'submit', class: 'run', form: 'form'}, t('page.runs.run'));
   const trouble = h('div');
   const controls = h('div', {class: 'controls'}, start, cancel, status);
-  fill(root, about, plan, form.element, trouble, controls, bar);
+  fill(root, about, plan, reality, form.element, trouble, controls, bar);
   root.hidden = true;
 
   /** @type {(keyof RunState)[]} the fields that the description depends on */
@@ -59,6 +61,15 @@ export function mountHead(root, store, act) {
       h('p', {class: 'soft'}, t('page.runs.plan', {horizon: spec.horizon, step: spec.step, observers})),
     );
     return form.build();
+  }
+
+  /**
+   * How the simulated plant differs from the model: that of the run that is shown, else that of the experiment.
+   * @param {RunState} state
+   */
+  function showReality({spec, run, plant}) {
+    const shown = run?.spec ?? spec;
+    fill(reality, shown && sentences(shown, plant).map((one) => h('p', {}, one)));
   }
 
   /** @param {RunState} state */
@@ -94,6 +105,12 @@ export function mountHead(root, store, act) {
 
   store.subscribe((state, before) => {
     if (SHOWN.some((key) => state[key] !== before[key]) || (state.phase === 'failed' && !state.spec)) showSpec(state);
+    if (
+      ['spec', 'plant', 'run'].some(
+        (key) => state[/** @type {keyof RunState} */ (key)] !== before[/** @type {keyof RunState} */ (key)],
+      )
+    )
+      showReality(state);
     form.update(state, before);
     showProgress(state);
   });

@@ -5,7 +5,8 @@ import {asTyped, value} from './address.js';
 import {fill, h, symbol} from '../../common/dom.js';
 import {original, formField} from './run-state.js';
 import {explained} from '../../common/problem.js';
-import {t} from '../../i18n/words.js';
+import {perRoot} from '../../widgets/truth-differences.js';
+import {named, t} from '../../i18n/words.js';
 
 /** @import {RunActions, RunState, RunStore} from '../types.js' */
 /** @import {Child} from '../../types/dom.js' */
@@ -49,13 +50,16 @@ export function createForm(store, act) {
   );
   /** @type {HTMLDetailsElement | null} */
   let details = null;
+  /** @type {HTMLDetailsElement | null} */
+  let reality = null;
 
   /**
    * @param {string} path
    * @param {Child} label
    * @param {string} hint
+   * @param {boolean} [text]   whether it holds an expression
    */
-  function field(path, label, hint) {
+  function field(path, label, hint, text = false) {
     const {spec, changes} = store.state;
     const id = `field-${path.replaceAll('.', '-')}`;
     const error = h('p', {class: 'error', id: `${id}-error`});
@@ -63,14 +67,67 @@ export function createForm(store, act) {
     const input = h('input', {
       id,
       type: 'text',
-      inputmode: 'decimal',
+      inputmode: text ? 'text' : 'decimal',
       title: hint,
       'aria-describedby': error.id,
-      value: asTyped(changes[path] ?? original(spec, path)),
-      oninput: () => act.change(path, input.value.trim() === '' ? undefined : value(input.value)),
+      value: asTyped(changes[path] ?? original(spec, path)) ?? '',
+      oninput() {
+        const typed = input.value.trim();
+        act.change(path, typed === '' ? undefined : text ? typed : value(typed));
+      },
     });
     fields.set(path, {input, error});
     return h('div', {class: 'field'}, h('label', {for: id}, label), input, error);
+  }
+
+  /** The fields of the truth, folded away; those that are empty are as in the model. */
+  function truthFields() {
+    const {plant, changes} = store.state;
+    if (!plant) return null;
+    /** @param {Child} legend @param {Child[]} children */
+    const group = (legend, children) => children.length > 0 && h('fieldset', {}, h('legend', {}, legend), children);
+    /** @param {string} output */
+    const sensor = (output) => [
+      ...['correlation', 'period', 'missing', 'jitter'].map((name) =>
+        field(`truth.outputs.${output}.${name}`, t(`page.truth.sensor.${name}`), t(`page.truth.sensor-hint.${name}`)),
+      ),
+      field(`truth.outputs.${output}.adds`, [symbol(output), ' +'], t('page.truth.sensor-hint.adds'), true),
+    ];
+    const open = reality?.open ?? false;
+    reality = h(
+      'details',
+      {class: 'more'},
+      h('summary', {}, t('page.runs.reality')),
+      h('p', {class: 'soft'}, t('page.runs.reality.hint')),
+      h(
+        'div',
+        {class: 'gains reality-fields'},
+        group(t('page.truth.parameters'), [
+          field('truth.deviation', t('page.runs.deviation'), t('page.inject.model-hint')),
+          ...plant.parameters.map(({name, description, unit}) =>
+            field(`truth.parameters.${name}`, symbol(name), [named(description), unit].filter(Boolean).join(', ')),
+          ),
+        ]),
+        group(
+          t('page.truth.process-noise'),
+          plant.states.map(({name, unit}) => field(`truth.process_noise.${name}`, symbol(name), perRoot(unit))),
+        ),
+        plant.outputs.map(({name}) => group([t('page.runs.sensor'), ' ', symbol(name)], sensor(name))),
+        group(
+          t('page.truth.dynamics'),
+          plant.states.map(({name}) =>
+            field(
+              `truth.dynamics.${name}`,
+              [symbol(name), plant.time.kind === 'discrete' ? '⁺ +' : '′ +'],
+              t('page.truth.dynamics.hint'),
+              true,
+            ),
+          ),
+        ),
+      ),
+    );
+    reality.open = open || Object.keys(changes).some((path) => path.startsWith('truth.') && fields.has(path));
+    return reality;
   }
 
   function build() {
@@ -107,7 +164,8 @@ export function createForm(store, act) {
       more,
       moreError,
     );
-    details.open = open || Object.keys(changes).some((path) => path !== 'seed' && !path.startsWith('noise.'));
+    const truth = truthFields();
+    details.open = open || Object.keys(changes).some((path) => path !== 'seed' && !/^(noise|truth)\./.test(path));
     more.value = Object.entries(changes)
       .filter(([path]) => !fields.has(path))
       .map(([path, to]) => `${path} = ${asTyped(to)}`)
@@ -122,6 +180,7 @@ export function createForm(store, act) {
         noise.length ? noise : h('p', {class: 'soft'}, t('page.runs.no-noise')),
         reset,
       ),
+      truth,
       details,
     );
     update(store.state, null);
@@ -153,7 +212,8 @@ export function createForm(store, act) {
       fill(error, wrong ? explained(wrong) : null);
     }
     const first = [...fields].find(([path]) => errors.has(path));
-    if (first?.[0].includes('.gains.') && details) details.open = true;
+    const fold = first?.[1].input.closest('details');
+    if (fold) fold.open = true;
     first?.[1].input.focus();
   }
 

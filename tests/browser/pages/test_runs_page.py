@@ -261,3 +261,22 @@ def test_the_report_opens_offline_from_a_file(page, server, browser, tmp_path):
     assert len(requests) == 1 and errors == []
     assert page_.locator(".modebar-btn[data-title*=Share]").count() == 0
     context.close()
+
+
+def test_a_run_names_how_the_simulated_plant_differs_from_the_model(page):
+    """The form has a field for each difference; a refusal is shown at it; the run names them, in both languages."""
+    opened = page("/runs/?experiment=zhao-2012&set=truth.deviation%3D0.02", **SMALL)
+    opened.wait_for_selector("#field-truth-deviation")  # a link that sets one unfolds them
+    assert opened.input_value("#field-truth-deviation") == "0.02" and opened.inner_text(".reality") == ""
+    opened.fill("#field-truth-process_noise-x1", "0.001")
+    opened.fill("#field-truth-outputs-y-missing", "0.1")
+    opened.fill("#field-truth-dynamics-x2", "nope")
+    opened.click("button.run")
+    opened.wait_for_selector("#field-truth-dynamics-x2[aria-invalid=true]")
+    assert "nope" in opened.inner_text("#field-truth-dynamics-x2-error")
+    opened.fill("#field-truth-dynamics-x2", "-0.01*x2")
+    opened.click("button.run")
+    opened.wait_for_selector(".reality p")
+    words = opened.inner_text(".reality")
+    assert all(part in words for part in ("2 % off", "process noise of x₁", "10 % of the samples", "-0.01*x2"))
+    assert "truth.dynamics.x2=-0.01*x2" in opened.inner_text(".side")
