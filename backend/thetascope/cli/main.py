@@ -1,4 +1,5 @@
-"""The command line: `thetascope serve | key | run | trial | diagnose | list | check`.
+"""The command line: `thetascope serve | key | run | trial | diagnose | list | check`,
+and `backup | restore | verify` for the store of runs.
 
 Exit codes: 0 done, 1 refused or failed (with the reason), 2 wrong usage, 130 interrupted. Commands import their modules
 when they run, so that `--help` and usage errors are answered quickly.
@@ -71,6 +72,7 @@ def parser(say: Words) -> argparse.ArgumentParser:
     run.set_defaults(command=_run)
 
     _judging(commands, say)
+    _storing(commands, say)
 
     commands.add_parser("list", help=say("cli.list")).set_defaults(command=_list)
 
@@ -78,6 +80,23 @@ def parser(say: Words) -> argparse.ArgumentParser:
     check.add_argument("plant", metavar="PLANTFILE", type=Path, help=say("cli.help.plant-file"))
     check.set_defaults(command=_check)
     return top
+
+
+def _storing(commands: Any, say: Words) -> None:
+    """Add the commands that keep and check the store."""
+    backup = commands.add_parser("backup", help=say("cli.backup"))
+    backup.add_argument("file", metavar="FILE", type=Path, help=say("cli.help.backup-file"))
+    backup.add_argument("--force", action="store_true", help=say("cli.help.force-backup"))
+    backup.set_defaults(command=_backup)
+
+    restore = commands.add_parser("restore", help=say("cli.restore"))
+    restore.add_argument("file", metavar="FILE", type=Path, help=say("cli.help.backup-file"))
+    restore.add_argument("--force", action="store_true", help=say("cli.help.force-restore"))
+    restore.set_defaults(command=_restore)
+
+    verify = commands.add_parser("verify", help=say("cli.verify"))
+    verify.add_argument("file", metavar="FILE", type=Path, nargs="?", help=say("cli.help.verify-file"))
+    verify.set_defaults(command=_verify)
 
 
 def _judging(commands: Any, say: Words) -> None:
@@ -181,6 +200,24 @@ def _run(options: argparse.Namespace, say: Words) -> int:
     from thetascope.cli.run_command import run_command
 
     return run_command(options, say)
+
+
+def _backup(options: argparse.Namespace, say: Words) -> int:
+    from thetascope.cli.store_commands import backup_command
+
+    return backup_command(options.file, options.force, say)
+
+
+def _restore(options: argparse.Namespace, say: Words) -> int:
+    from thetascope.cli.store_commands import restore_command
+
+    return restore_command(options.file, options.force, say)
+
+
+def _verify(options: argparse.Namespace, say: Words) -> int:
+    from thetascope.cli.store_commands import verify_command
+
+    return verify_command(options.file, say)
 
 
 def _list(options: argparse.Namespace, say: Words) -> int:

@@ -1,6 +1,7 @@
-"""Read the rows of a damaged file one by one, so that a page that cannot be read hides only its own rows."""
+"""Read the rows of a store one by one, so that a page of a damaged file that cannot be read hides only its own rows."""
 
 import logging
+from collections.abc import Iterator
 from contextlib import suppress
 from types import SimpleNamespace
 from typing import Any
@@ -9,6 +10,7 @@ from sqlalchemy import select, text
 
 from thetascope.store.database import Database
 from thetascope.store.errors import StoreError
+from thetascope.store.sqlite import SQLite
 from thetascope.store.tables import RUNS
 
 log = logging.getLogger(__name__)
@@ -21,14 +23,14 @@ _LISTS = (
 """Queries that find runs by different parts of the file."""
 
 
-def rows_one_by_one(database: Database, limit: int, offset: int) -> list[Any]:
-    """Return rows of `runs`, newest first; one that cannot be read has its id and empty fields.
+def rows_one_by_one(database: Database, limit: int | None = None, offset: int = 0) -> Iterator[Any]:
+    """Yield rows of `runs`, newest first; one that cannot be read has its id and empty fields.
 
     Raises StoreError if no part of the file can be read.
     """
     created: dict[str, float] = {}
     failure: StoreError | None = None
-    for query in _LISTS:
+    for query in _LISTS if isinstance(database.backend, SQLite) else _LISTS[:1]:
         try:
             with database.reading() as connection:
                 for id, time in connection.execute(text(query)):
@@ -38,7 +40,8 @@ def rows_one_by_one(database: Database, limit: int, offset: int) -> list[Any]:
     if failure is not None and not created:
         raise failure
     order = sorted(created, key=lambda id: (-created[id], id))
-    return [_row(database, id, created[id]) for id in order[offset : offset + limit]]
+    for id in order[offset : None if limit is None else offset + limit]:
+        yield _row(database, id, created[id])
 
 
 def _row(database: Database, id: str, created: float) -> Any:

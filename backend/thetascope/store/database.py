@@ -76,6 +76,13 @@ class Database:
                 yield connection
 
     @contextmanager
+    def snapshot(self) -> Iterator[Connection]:
+        """Yield a connection whose reads all see the store at one moment."""
+        with self._explained(), self._engines["read"].connect() as connection:
+            yield self.backend.snapshot(connection)
+            connection.rollback()
+
+    @contextmanager
     def writing(self) -> Iterator[Connection]:
         """Yield the connection in a write transaction; commit at the end, roll back on an error."""
         if self.read_only:

@@ -43,6 +43,14 @@ class PostgreSQL:
         }
         return create_engine(self._url, connect_args=arguments, pool_pre_ping=True, hide_parameters=True)
 
+    def snapshot(self, connection: Connection) -> Connection:
+        """Return a connection whose reads all see the database at one moment, until it is rolled back."""
+        return connection.execution_options(isolation_level="REPEATABLE READ")
+
+    def defects(self, connection: Connection) -> list[str]:
+        """Return no defects: the server checks its own pages."""
+        return []
+
     def own(self, connection: Connection) -> str | None:
         """Become the owner and return None, or return who is. The lock ends with the connection."""
         schema = connection.execute(text("SELECT current_schema()")).scalar_one()

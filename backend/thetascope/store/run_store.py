@@ -16,19 +16,29 @@ from thetascope.store.damaged_rows import rows_one_by_one
 from thetascope.store.database import Database
 from thetascope.store.encoding import decode, encode
 from thetascope.store.errors import Damaged, StoreError
-from thetascope.store.tables import OWNERS, RESULTS, RUNS, outcome_sum, result_sum, spec_sum
+from thetascope.store.tables import (
+    OWNERS,
+    RESULTS,
+    RUNS,
+    has_result,
+    has_spec,
+    is_time,
+    is_whole,
+    outcome_sum,
+    result_sum,
+    spec_sum,
+)
 from thetascope_schemas.service.run import Status
 
 log = logging.getLogger(__name__)
 
 #: A result's time of last use is written at most this often, so that reading does not become writing.
 _TOUCH_SECONDS = 60.0
-_LATEST = 253402300800.0  # the year 10000
 _BY_ID = RUNS.c.id == bindparam("id")
 _RESULT = (RESULTS.c.id == bindparam("id")) & (RESULTS.c.engine == bindparam("engine"))
 _GET = select(RUNS).where(_BY_ID)
 _PAGE = select(RUNS).order_by(desc(RUNS.c.created), RUNS.c.id).limit(bindparam("limit")).offset(bindparam("offset"))
-_GET_RESULT = select(RESULTS.c.rows, RESULTS.c.head, RESULTS.c.data, RESULTS.c.checksum, RESULTS.c.used).where(_RESULT)
+_GET_RESULT = select(RESULTS).where(_RESULT)
 _HAS_RESULT = select(1).where(_RESULT)
 _COUNT = select(func.count()).select_from(RUNS)
 _SUMS = select(func.count(), func.coalesce(func.sum(RESULTS.c.size), 0))
@@ -107,7 +117,7 @@ class RunStore:
             row = connection.execute(_GET, {"id": id}).one_or_none()
         if row is None:
             return None
-        if not _has_spec(row):
+        if not has_spec(row):
             raise Damaged(Message("store.spec-damaged", id=id[:64]))
         return _record(row)
 
@@ -118,7 +128,7 @@ class RunStore:
                 rows = connection.execute(_PAGE, {"limit": limit, "offset": offset}).all()
         except StoreError as error:
             log.error("%s", error)
-            rows = rows_one_by_one(self._database, limit, offset)
+            rows = list(rows_one_by_one(self._database, limit, offset))
         return [_listed(row) for row in rows]
 
     def ids(self, prefix: str, limit: int = 3) -> list[str]:
@@ -174,15 +184,14 @@ class RunStore:
             row = connection.execute(_GET_RESULT, {"id": id, "engine": engine}).one_or_none()
         if row is None:
             return None
-        rows, head, data, checksum, used = row
-        if checksum != result_sum(id, engine, rows, head, data):
+        if not has_result(row):
             self._drop(id, engine)
             raise Damaged(Message("store.result-damaged", id=id[:64]))
         now = time.time()
-        if not self.read_only and not (isinstance(used, float) and 0 <= now - used <= _TOUCH_SECONDS):
+        if not self.read_only and not (isinstance(row.used, float) and 0 <= now - row.used <= _TOUCH_SECONDS):
             with self._database.writing() as connection:
                 connection.execute(update(RESULTS).where(_result(id, engine)).values(used=now))
-        return decode(head, data, rows)
+        return decode(row.head, row.data, row.rows)
 
     def has_result(self, id: str, engine: str) -> bool:
         """Return whether the run has a result that this version of the engine computed."""
@@ -233,19 +242,9 @@ def _dump(value: dict[str, Any] | None) -> str | None:
     return None if value is None else json.dumps(value)
 
 
-def _has_spec(row: Row) -> bool:
-    return row.spec_sum == spec_sum(row.id, row.spec, row.title)
-
-
-def _is_whole(row: Row) -> bool:
-    """Return whether a row is what was written."""
-    fits = row.outcome_sum == outcome_sum(row.id, row.status, row.error, row.summary, row.engine)
-    return fits and _has_spec(row) and isinstance(row.created, float | int) and 0 <= row.created < _LATEST
-
-
 def _record(row: Row) -> Record:
     """Return the record of a run whose spec is undamaged."""
-    if not _is_whole(row):
+    if not is_whole(row):
         return _damaged(row, row.spec)
     error, summary = (None if text is None else json.loads(text) for text in (row.error, row.summary))
     pinned = bool(row.pinned)
@@ -253,17 +252,16 @@ def _record(row: Row) -> Record:
 
 
 def _listed(row: Row) -> Record:
-    if not _is_whole(row):
+    if not is_whole(row):
         return _damaged(row)
     return Record(row.id, "", row.title, row.status, row.engine, row.created, pinned=bool(row.pinned))
 
 
 def _damaged(row: Row, spec: str = "") -> Record:
     """Return the fields of a damaged row that can be shown."""
-    right = isinstance(row.created, float | int) and 0 <= row.created < _LATEST
-    created = float(row.created) if right else 0.0
+    created = float(row.created) if is_time(row.created) else 0.0
     status = row.status if row.status in get_args(Status) else "failed"
-    title = row.title if _has_spec(row) else ""
+    title = row.title if has_spec(row) else ""
     return Record(_shown(row.id), spec, title, status, "", created, pinned=bool(row.pinned), damaged=True)
 
 

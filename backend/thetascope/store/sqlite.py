@@ -33,7 +33,17 @@ class SQLite:
         elif not self.path.is_file():
             raise StoreError(Message("store.absent", path=self.place))
 
-    def own(self, connection: Connection) -> str | None:
+    def snapshot(self, connection: Connection) -> Connection:
+        """Return a connection whose reads all see the file at one moment, until it is rolled back."""
+        connection.exec_driver_sql("BEGIN")
+        return connection
+
+    def defects(self, connection: Connection) -> list[str]:
+        """Return the defects in the structure of the file, at most twenty."""
+        found = connection.exec_driver_sql("PRAGMA integrity_check(20)").scalars().all()
+        return [] if found == ["ok"] else list(found)
+
+    def own(self, connection: Connection | None) -> str | None:
         """Become the owner and return None, or return who is. The lock ends with the process."""
         return self._owner.take()
 

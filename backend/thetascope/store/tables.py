@@ -97,3 +97,24 @@ def outcome_sum(id: str, status: object, error: object, summary: object, engine:
 def result_sum(id: str, engine: str, rows: object, head: object, data: object) -> str:
     """Return the checksum of a result."""
     return checksum(id, engine, rows, head, data)
+
+
+def has_spec(row: Any) -> bool:
+    """Return whether the experiment in a row of `runs` is the one that was written."""
+    return row.spec_sum == spec_sum(row.id, row.spec, row.title)
+
+
+def is_whole(row: Any) -> bool:
+    """Return whether a row of `runs` is what was written."""
+    fits = row.outcome_sum == outcome_sum(row.id, row.status, row.error, row.summary, row.engine)
+    return fits and has_spec(row) and is_time(row.created)
+
+
+def is_time(created: object) -> bool:
+    """Return whether a value is a time in seconds since 1970, before the year 10000."""
+    return isinstance(created, float | int) and 0 <= created < 253402300800
+
+
+def has_result(row: Any) -> bool:
+    """Return whether a row of `results` is what was written."""
+    return row.checksum == result_sum(row.id, row.engine, row.rows, row.head, row.data)

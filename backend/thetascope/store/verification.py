@@ -1,0 +1,67 @@
+"""Check a store while it is used: the structure of its file, and the checksums of all rows."""
+
+from dataclasses import dataclass
+
+from sqlalchemy import select
+
+from thetascope.messages import Message
+from thetascope.store.damaged_rows import rows_one_by_one
+from thetascope.store.database import Database
+from thetascope.store.errors import StoreError
+from thetascope.store.tables import RESULTS, has_result, has_spec, is_whole
+
+
+@dataclass(frozen=True)
+class Verification:
+    """The numbers of runs and results that were read, and the defects that were found."""
+
+    runs: int
+    results: int
+    defects: tuple[Message, ...]
+
+
+def verify(database: Database) -> Verification:
+    """Read everything in a store, and return the defects. Raises StoreError if nothing can be read."""
+    defects = [Message("store.defect.file", detail=line) for line in _structure(database)]
+    runs = results = 0
+    for row in rows_one_by_one(database):
+        runs += 1
+        if not has_spec(row):
+            defects.append(Message("store.defect.spec", id=_shown(row.id)))
+        elif not is_whole(row):
+            defects.append(Message("store.defect.outcome", id=_shown(row.id)))
+    try:
+        with database.reading() as connection:
+            places = connection.execute(select(RESULTS.c.id, RESULTS.c.engine)).all()
+    except StoreError as error:
+        places = []
+        defects.append(error.problem)
+    for id, engine in places:
+        results += 1
+        if not _is_readable(database, id, engine):
+            defects.append(Message("store.defect.result", id=_shown(id)))
+    return Verification(runs, results, tuple(defects))
+
+
+def _structure(database: Database) -> list[str]:
+    """Return the defects that the database itself finds in its file."""
+    try:
+        with database.reading() as connection:
+            return database.backend.defects(connection)
+    except StoreError as error:
+        return [str(error.problem)]
+
+
+def _is_readable(database: Database, id: str, engine: str) -> bool:
+    """Return whether a result has its checksum."""
+    query = select(RESULTS).where((RESULTS.c.id == id) & (RESULTS.c.engine == engine))
+    try:
+        with database.reading() as connection:
+            row = connection.execute(query).one_or_none()
+    except StoreError:
+        return False
+    return row is None or has_result(row)  # None: it was removed meanwhile
+
+
+def _shown(id: object) -> str:
+    return str(id)[:64].encode("utf-8", "replace").decode("utf-8")
