@@ -16,7 +16,10 @@ from thetascope.messages.catalogue import catalogue, languages
 
 ROOT = Path(__file__).parents[2]
 
-REFUSALS = {name: 1 for name in ("SpecError", "ExpressionError", "Refusal", "Unknown", "Busy", "NotReady", "OverLimit")}
+REFUSALS = {
+    name: 1
+    for name in ("SpecError", "ExpressionError", "Refusal", "Unknown", "Busy", "NotReady", "OverLimit", "NotOwner")
+}
 REFUSALS |= {"refuse": 1, "invalid": 1, "problem": 1, "failed": 0, "refusal": 0, "BodyProblem": 0}
 REFUSALS |= {"DocumentError": 3, "StoreError": 0, "KeyFileError": 0}
 """Exceptions and functions that take a problem, and how many arguments after it the remedy is; 0: they take none."""

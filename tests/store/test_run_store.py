@@ -131,3 +131,19 @@ def test_threads_and_other_processes_write_and_read_concurrently(open_store):
     with ThreadPoolExecutor(6) as pool:
         assert all(pool.map(work, range(24)))
     assert stores[0].usage()["runs"] == 24
+
+
+def test_owners_belong_to_a_run_and_go_with_it(open_store):
+    """Each once, over a second server and an update of the run; a run that does not exist has none."""
+    store = open_store()
+    store.put(made_record("a"))
+    store.own("a", {"ann", "ben"})
+    store.own("a", {"ben", "eve"})
+    store.own("missing", {"ann"})
+    store.put(made_record("a"))
+    assert open_store().owners("a") == {"ann", "ben", "eve"} and store.owners("missing") == frozenset()
+    store.disown("a", "ben")
+    assert store.owners("a") == {"ann", "eve"}
+    store.delete("a")
+    store.put(made_record("a"))
+    assert store.owners("a") == frozenset()

@@ -39,6 +39,11 @@ def assign(scope: MutableMapping[str, Any], principal: Principal) -> None:
     scope[_KEY] = principal
 
 
+def is_admitted(scope: Mapping[str, Any]) -> bool:
+    """Return whether a request has a principal."""
+    return _KEY in scope
+
+
 def principal_of(scope: Mapping[str, Any]) -> Principal:
     """Return for whom a request acts. Raises KeyError for one that nobody has admitted."""
     return scope[_KEY]

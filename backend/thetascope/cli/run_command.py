@@ -6,9 +6,11 @@ import shlex
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import suppress
 from pathlib import Path
 
 from thetascope import assembly
+from thetascope.access.principal import MACHINE
 from thetascope.cli.terminal import Progress, number, table
 from thetascope.cli.words import Words
 from thetascope.engine.errors import Cancelled, SpecError
@@ -72,7 +74,9 @@ def result_of(spec: Experiment, settings: Settings, store: RunStore | None, prog
     complete = resolved(spec)
     job = Job(complete.spec_hash(), spec)
     result = store and _stored(store, job.id)
-    if result is not None:
+    if store is not None and result is not None:
+        with suppress(StoreError):
+            store.own(job.id, {MACHINE})
         return completed(job, result, summarise(result, complete))
     result = compute(job, complete, settings, progress)
     finished = completed(job, result, summarise(result, complete))
@@ -131,6 +135,7 @@ def open_store(settings: Settings, say: Words) -> RunStore | None:
 def _keep(store: RunStore, finished: Finished, say: Words) -> None:
     try:
         store.put(record_of(finished.snapshot))
+        store.own(finished.snapshot.id, {MACHINE})
         store.put_result(finished.snapshot.id, engine_version(), finished.result)
     except StoreError as error:
         print(f"thetascope: {say('cli.run.not-kept', reason=error.text(say.language))}", file=sys.stderr)

@@ -3,7 +3,7 @@
 import json
 import logging
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, get_args
 
@@ -57,6 +57,11 @@ def _upserts(table: Table, changed: Sequence[str]) -> dict[str, Any]:
 
 
 _PUT = _upserts(RUNS, _CHANGED)  # not the time of creation, nor the pin
+_GET_OWNERS = select(OWNERS.c.owner).where(OWNERS.c.run == bindparam("id"))
+_OWN = {
+    "sqlite": sqlite.insert(OWNERS).on_conflict_do_nothing(),
+    "postgresql": postgresql.insert(OWNERS).on_conflict_do_nothing(),
+}
 _PUT_RESULT = _upserts(RESULTS, ("used", "size", "rows", "head", "data", "checksum"))
 
 
@@ -143,6 +148,23 @@ class RunStore:
         with self._database.writing() as connection:
             change = update(RUNS).where(RUNS.c.id == id).values(pinned=int(pinned))
             return connection.execute(change).rowcount > 0
+
+    def owners(self, id: str) -> frozenset[str]:
+        """Return the owners of a run; none for one that was stored before there were owners."""
+        with self._database.reading() as connection:
+            return frozenset(connection.execute(_GET_OWNERS, {"id": id}).scalars())
+
+    def own(self, id: str, owners: Iterable[str]) -> None:
+        """Add owners to a run, if it exists; those that it has stay."""
+        with self._database.writing() as connection:
+            if connection.execute(select(1).where(RUNS.c.id == id)).one_or_none() is not None:
+                for owner in sorted(owners):
+                    connection.execute(_OWN[connection.dialect.name], {"run": id, "owner": owner})
+
+    def disown(self, id: str, owner: str) -> None:
+        """Remove an owner of a run."""
+        with self._database.writing() as connection:
+            connection.execute(delete(OWNERS).where((OWNERS.c.run == id) & (OWNERS.c.owner == owner)))
 
     def delete(self, id: str) -> bool:
         """Remove the run, its spec, results and owners. Return False if the run does not exist."""

@@ -14,7 +14,16 @@ from thetascope.api.http.language import language_of
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message, words
 from thetascope.runs.specs.problem_documents import problem, refused
-from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, OverLimit, Refusal, Unknown, from_engine
+from thetascope.runs.specs.refusals import (
+    Busy,
+    InvalidSpec,
+    NotOwner,
+    NotReady,
+    OverLimit,
+    Refusal,
+    Unknown,
+    from_engine,
+)
 from thetascope.runs.workers.limits import Crashed, LimitReached
 from thetascope.store import Damaged, StoreError
 from thetascope_schemas.service.field_error import field_errors
@@ -91,7 +100,7 @@ async def _body(request: Request, error: BodyProblem) -> Response:
 
 
 async def _refusal(request: Request, error: Refusal) -> Response:
-    statuses = {Unknown: 404, Busy: 503, OverLimit: 429, NotReady: 409, LimitReached: 422, Crashed: 500}
+    statuses = {Unknown: 404, Busy: 503, OverLimit: 429, NotOwner: 403, NotReady: 409, LimitReached: 422, Crashed: 500}
     status = statuses.get(type(error), 409)
     document = problem(status, error.problem, error.remedy, language_of(request), request.url.path)
     wait = error.retry if isinstance(error, OverLimit) else 2

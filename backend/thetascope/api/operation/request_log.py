@@ -10,6 +10,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from thetascope.access.principal import is_admitted, principal_of
 from thetascope.api.operation.metrics import Metrics
 
 log = logging.getLogger("thetascope.requests")
@@ -93,4 +94,5 @@ def audit(connection: HTTPConnection, event: str, **fields: str | int | float | 
         fields: the things that it happened to.
     """
     client = connection.client.host if connection.client is not None else ""
-    _audit.info("", extra={"fields": {"event": event, **fields, "client": client}})
+    by = {"by": principal_of(connection.scope).owner} if is_admitted(connection.scope) else {}
+    _audit.info("", extra={"fields": {"event": event, **fields, **by, "client": client}})

@@ -7,8 +7,9 @@ from fastapi import APIRouter, Query, Request
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
+from thetascope.access.principal import principal_of
 from thetascope.api.http.answers import ended, json_response, listed, progress_response, run_response
-from thetascope.api.http.computed import check_cpu, client_of, first_of, limits_for
+from thetascope.api.http.computed import check_cpu, first_of, limits_for
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed
@@ -48,10 +49,10 @@ async def create_run(request: Request, services: Use, language: Language, wait: 
     """
     settings = services.settings
     check_cpu(request, services)
-    client, most = client_of(request), limits_for(request, services).runs
+    by, most = principal_of(request.scope), limits_for(request, services).runs
 
     def submit(data: object) -> Snapshot | Job:
-        return services.runs.submit(parse_request(data), client, most)
+        return services.runs.submit(parse_request(data), by, most)
 
     started = await parsed(request, settings.max_body, submit)
     if isinstance(started, Snapshot):
@@ -95,38 +96,45 @@ async def get_progress(id: str, services: Use, language: Language, wait: Wait = 
     return progress_response(await run_in_threadpool(services.runs.get, id), language)
 
 
-@router.post("/{id}/cancel", response_model=Run, responses=documented(404, 409))
+@router.post("/{id}/cancel", response_model=Run, responses=documented(403, 404, 409))
 def cancel_run(request: Request, id: str, services: Use, language: Language) -> Response:
-    """Request an active run to stop. A run that has ended stays unchanged."""
-    snapshot = services.runs.cancel(id)
+    """Request an active run to stop. It goes on while others own it; a run that has ended stays unchanged."""
+    snapshot = services.runs.cancel(id, principal_of(request.scope))
     audit(request, "run.cancelled", run=id, status=snapshot.status)
     return run_response(snapshot, language)
 
 
-@router.delete("/{id}", status_code=204, responses={202: {"model": Run}, **documented(404, 409)})
+_STAYS = {"model": Run, "description": "It stays for others who asked for the same experiment."}
+
+
+@router.delete("/{id}", status_code=204, responses={200: _STAYS, 202: {"model": Run}, **documented(403, 404, 409)})
 def delete_run(request: Request, id: str, services: Use, language: Language) -> Response:
-    """Cancel an active run (202), or remove one that has ended, with its spec and result (204)."""
-    snapshot = services.runs.cancel(id)
+    """Cancel an active run (202), or remove one that has ended, with its spec and result (204).
+
+    All who asked for the same experiment own its run; it goes when the last of them removes it.
+    """
+    by = principal_of(request.scope)
+    snapshot = services.runs.cancel(id, by)
     if snapshot.active:
         audit(request, "run.cancelled", run=id, status=snapshot.status)
         return run_response(snapshot, language, 202)
-    services.runs.remove(id)
-    audit(request, "run.removed", run=id)
-    return Response(status_code=204)
+    gone = services.runs.remove(id, by)
+    audit(request, "run.removed" if gone else "run.given-up", run=id)
+    return Response(status_code=204) if gone else run_response(services.runs.get(id), language)
 
 
-@router.put("/{id}/pin", response_model=Run, responses=documented(404, 409))
-@router.post("/{id}/pin", response_model=Run, responses=documented(404, 409))
+@router.put("/{id}/pin", response_model=Run, responses=documented(403, 404, 409))
+@router.post("/{id}/pin", response_model=Run, responses=documented(403, 404, 409))
 def pin_run(request: Request, id: str, services: Use, language: Language) -> Response:
     """Keep the run's result even when the store needs space."""
-    pinned = services.runs.pin(id, True)
+    pinned = services.runs.pin(id, True, principal_of(request.scope))
     audit(request, "run.pinned", run=id)
     return run_response(pinned, language)
 
 
-@router.delete("/{id}/pin", response_model=Run, responses=documented(404, 409))
+@router.delete("/{id}/pin", response_model=Run, responses=documented(403, 404, 409))
 def unpin_run(request: Request, id: str, services: Use, language: Language) -> Response:
-    """Allow the store to drop the run's result when it needs space."""
-    unpinned = services.runs.pin(id, False)
+    """Allow the store to drop the run's result when it needs space, if nobody else owns the run."""
+    unpinned = services.runs.pin(id, False, principal_of(request.scope))
     audit(request, "run.unpinned", run=id)
     return run_response(unpinned, language)

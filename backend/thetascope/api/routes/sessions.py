@@ -8,6 +8,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response, StreamingResponse
 from starlette.routing import WebSocketRoute
 
+from thetascope.access.principal import principal_of
 from thetascope.api.http.answers import ended, json_response, progress_response, run_response
 from thetascope.api.http.computed import check_cpu, client_of, computed, limits_for, while_connected
 from thetascope.api.http.language import Language
@@ -149,7 +150,7 @@ async def save_session(
     spec = room.spec()
     check_cpu(request, services)
     most = limits_for(request, services).runs
-    started = await run_in_threadpool(services.runs.submit, spec, client_of(request), most)
+    started = await run_in_threadpool(services.runs.submit, spec, principal_of(request.scope), most)
     if isinstance(started, Snapshot):
         return run_response(started, language)
     snapshot = await ended(started, services.settings.wait)

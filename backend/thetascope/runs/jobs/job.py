@@ -14,7 +14,11 @@ from thetascope_schemas.service.run import Problem, RunSummary, Status
 
 @dataclass(frozen=True)
 class Snapshot:
-    """A run at one moment. `spec` is the experiment as posted, `created` is Unix time."""
+    """A run at one moment.
+
+    `spec` is the experiment as posted, `created` is Unix time. `owners` are those who asked for it; None: the store
+    has them.
+    """
 
     id: str
     spec: Experiment
@@ -24,6 +28,7 @@ class Snapshot:
     summary: RunSummary | None = None
     problem: Problem | None = None
     pinned: bool = False
+    owners: frozenset[str] | None = None
 
     @property
     def active(self) -> bool:
@@ -37,6 +42,7 @@ class Job:
 
     `done` resolves to the last snapshot; it does not raise when the run fails (the snapshot says so), only
     InvalidSpec when the spec was refused before the run began. `holders` counts the requests that wait for it.
+    `owners` are those who asked for it.
     """
 
     id: str
@@ -46,6 +52,7 @@ class Job:
     status: Status = "queued"
     progress: float = 0.0
     client: str = ""
+    owners: frozenset[str] = frozenset()
     holders: int = 1
     announced: bool = False
     ending: bool = False
@@ -58,7 +65,9 @@ class Job:
 
     def snapshot(self) -> Snapshot:
         """Return the present state of the run."""
-        return Snapshot(self.id, self.spec, self.status, self.created, self.progress, pinned=self.pinned)
+        return Snapshot(
+            self.id, self.spec, self.status, self.created, self.progress, pinned=self.pinned, owners=self.owners
+        )
 
     def begin(self) -> None:
         """Mark the run as running."""

@@ -5,17 +5,20 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from threading import Lock
 
+from thetascope.access.principal import LOCAL, Principal
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Ended, Finished, Job, Snapshot
+from thetascope.runs.jobs.ownership import others, owns_alone, share_of, with_share
 from thetascope.runs.jobs.recent_runs import Memory
 from thetascope.runs.jobs.store_rows import INTERRUPTED, record_of, snapshot_of
 from thetascope.runs.jobs.store_writer import Writer
 from thetascope.runs.jobs.worker import Execution
 from thetascope.runs.results.engine_version import engine_version
 from thetascope.runs.specs.problem_documents import refused
-from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, OverLimit, Unknown
+from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotOwner, NotReady, OverLimit, Unknown
 from thetascope.runs.specs.resolve_spec import resolved
 from thetascope.runs.workers.pool import Workers
 from thetascope.settings import Settings
@@ -57,10 +60,13 @@ class RunManager:
         if not store.read_only:
             store.interrupted(INTERRUPTED.model_dump(mode="json"))
 
-    def submit(self, spec: Experiment, client: str = "", most: int | None = None) -> Snapshot | Job:
-        """Return the run of a spec for a client: a snapshot if it has a result, else the job that computes it.
+    def submit(self, spec: Experiment, by: Principal | None = None, most: int | None = None) -> Snapshot | Job:
+        """Return the run of a spec: a snapshot if it has a result, else the job that computes it.
 
-        `most` is the number of runs of the client that may wait or run.
+        Args:
+            spec: the experiment.
+            by: who asks for it, and then owns it, too; None: nobody, it is computed again for its owners.
+            most: the number of runs of the client that may wait or run.
 
         Raises:
             InvalidSpec: names that do not fit the plant, or more steps or numbers than the limits allow.
@@ -69,20 +75,26 @@ class RunManager:
         """
         complete = resolved(spec)
         id = complete.spec_hash()
-        known = self._readable(id)
+        known, client = self._readable(id), by.client if by else ""
+        owners = self._owners(id) if known is not None else frozenset()
         if known is not None and self._has_result(known):
-            return self._with_posted_spec(known, spec)
+            self._share(id, owners, by)
+            return self._with_posted_spec(known, spec, owns_alone(owners, by))
         kept = {} if known is None else {"created": known.created, "pinned": known.pinned}
+        if known is not None and not owns_alone(owners, by):
+            spec = known.spec
+        owners = with_share(owners, by, known is not None)
         with self._lock:
             job = self._jobs.get(id)
             if job is not None:
                 job.holders += 1
+                job.owners |= owners
                 return job
             if most is not None and sum(job.client == client for job in self._jobs.values()) >= most:
                 raise OverLimit(Message("client.runs", n=most), _SOON)
             if len(self._jobs) >= self._room:
                 raise Busy(Message("run.queue-full", n=len(self._jobs)))
-            job = self._jobs[id] = Job(id, spec, client=client, **kept)
+            job = self._jobs[id] = Job(id, spec, client=client, owners=owners, **kept)
         try:
             self._execution.start(job, complete)
         except Busy:
@@ -148,30 +160,55 @@ class RunManager:
             ):  # otherwise "running" would be written last
                 job.announced = True
                 record = record_of(job.snapshot())
-                self._writer.later(lambda: self._store.put(record))
+                self._writer.later(lambda: self._put(record, job.owners))
 
-    def cancel(self, id: str) -> Snapshot:
-        """Request an active run to stop; a run that has ended stays unchanged. Raises :class:`Unknown`."""
+    def cancel(self, id: str, by: Principal = LOCAL) -> Snapshot:
+        """Request an active run to stop, if nobody else owns it; a run that has ended stays unchanged.
+
+        Raises :class:`Unknown`, or :class:`NotOwner`.
+        """
         job = self._jobs.get(id)
         if job is not None:
-            self._cancel(job)
+            with self._lock:
+                left = others(job.owners, by)
+                given_up = job.owners - left
+                job.owners = left or job.owners
+            if left:
+                for owner in given_up:
+                    self._writer.later(partial(self._store.disown, id, owner))
+            else:
+                self._cancel(job)
         snapshot = self.get(id)
         if job is None and snapshot.active and self._store.read_only:
             raise NotReady(Message("run.elsewhere", id=id))
         return snapshot
 
-    def remove(self, id: str) -> None:
-        """Remove a run that has ended, with its spec. Raises :class:`Unknown`."""
+    def remove(self, id: str, by: Principal = LOCAL) -> bool:
+        """Remove a run that has ended, with its spec, if nobody else owns it; return whether it is gone.
+
+        Raises :class:`Unknown`, or :class:`NotOwner`.
+        """
         with suppress(Damaged):
             self.get(id)
+        owners = self._owners(id)
+        if left := others(owners, by):
+            self._writer.now(lambda: self._store.disown(id, share_of(owners, by)))
+            self._memory.change(id, owners=left)
+            return False
         self._memory.remove(id)
         self._writer.now(lambda: self._store.delete(id))
+        return True
 
-    def pin(self, id: str, pinned: bool) -> Snapshot:
-        """Keep the run's result when the store needs space, or allow its deletion again. Raises :class:`Unknown`."""
+    def pin(self, id: str, pinned: bool, by: Principal = LOCAL) -> Snapshot:
+        """Keep the run's result when the store needs space, or allow its deletion again.
+
+        Raises :class:`Unknown`, or :class:`NotOwner`: only who owns a run alone may take its pin away.
+        """
         snapshot = self.get(id)
         if snapshot.active:
             raise NotReady(Message("run.pin.under-way"))
+        if others(self._owners(id), by) and not pinned:
+            raise NotOwner(Message("run.pin.shared"))
         self._writer.now(lambda: self._store.pin(id, pinned))
         self._memory.change(id, pinned=pinned)
         return self.get(id)
@@ -225,11 +262,37 @@ class RunManager:
         entry = self._memory.get(snapshot.id)
         return entry is not None or self._store.has_result(snapshot.id, engine_version())
 
-    def _with_posted_spec(self, snapshot: Snapshot, spec: Experiment) -> Snapshot:
-        """Return the run with the spec as posted; title and figures are not part of the id, and the newer ones win."""
+    def _owners(self, id: str) -> frozenset[str]:
+        """Return the owners of a run, in the store those after all writes that were requested."""
+        job, entry = self._jobs.get(id), self._memory.get(id)
+        if job is not None:
+            return job.owners
+        if entry is not None and entry.snapshot.owners is not None:
+            return entry.snapshot.owners
+        return self._writer.now(lambda: self._store.owners(id))
+
+    def _share(self, id: str, owners: frozenset[str], by: Principal | None) -> None:
+        """Store that somebody has asked for a run that exists."""
+        new = with_share(owners, by, exists=True)
+        if new != owners and not self._store.read_only:
+            self._memory.change(id, owners=new)
+            self._writer.later(lambda: self._store.own(id, new))
+
+    def _put(self, record: Record, owners: frozenset[str]) -> None:
+        self._store.put(record)
+        if owners:
+            self._store.own(record.id, owners)
+
+    def _with_posted_spec(self, snapshot: Snapshot, spec: Experiment, keep: bool) -> Snapshot:
+        """Return the run with the spec as posted; title and figures are not part of the id.
+
+        `keep`: the newer ones win in the store, too.
+        """
         if snapshot.spec == spec:
             return snapshot
         snapshot = replace(snapshot, spec=spec)
+        if not keep:
+            return snapshot
         self._memory.change(snapshot.id, spec=spec)
         record = record_of(snapshot)
         self._writer.later(lambda: self._store.put(record))
@@ -243,13 +306,17 @@ class RunManager:
             job.ending = True
             if isinstance(end, InvalidSpec) and job.announced:
                 end = Ended(replace(job.snapshot(), status="failed", problem=refused(end)))
+            if isinstance(end, Ended):
+                end = end.with_snapshot(owners=job.owners)
         if isinstance(end, Ended):
             self._keep(end)  # queued before the outcome is visible, so that a later removal or pin is written after it
         with self._lock:
             if isinstance(end, Ended):
-                self._memory.put(end)
+                self._memory.put(end.with_snapshot(owners=job.owners))
             del self._jobs[job.id]
         self._ended("refused" if isinstance(end, InvalidSpec) else end.snapshot.status, time.time() - job.created)
+        if isinstance(end, Ended) and job.owners != end.snapshot.owners:  # somebody asked for it meanwhile
+            self._writer.later(lambda: self._store.own(job.id, job.owners))
         if isinstance(end, InvalidSpec):
             job.done.set_exception(end)
             return
@@ -261,7 +328,7 @@ class RunManager:
         result = end.result if isinstance(end, Finished) else None
 
         def write() -> None:
-            self._store.put(record)
+            self._put(record, end.snapshot.owners or frozenset())
             if result is not None:
                 self._store.put_result(record.id, version, result)
 

@@ -47,6 +47,10 @@ class Busy(Refusal):
     """The queue is full."""
 
 
+class NotOwner(Refusal):
+    """The run belongs to other clients."""
+
+
 class OverLimit(Refusal):
     """The client has, or has used, as much as one client may.
 
