@@ -96,6 +96,8 @@ class Settings:
     #: Largest message of a viewer, and how many it may send in a second (more are read more slowly).
     max_message: int = 256 * 1024
     message_rate: float = 60.0
+    #: Connections open at the same time; the system's limit on open files may allow fewer.
+    connections: int = 2000
     #: Log lines on standard error: text, or json (one object per line); whether each request gets one (1), too.
     log: Literal["text", "json"] = "text"
     log_requests: int = 0

@@ -1,5 +1,6 @@
 """The service: `create_app(settings)` creates the ASGI application, `serve(settings)` runs it."""
 
+import asyncio
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -36,7 +37,7 @@ from thetascope.api.routes import (
 )
 from thetascope.api.sign_in.require_key import RequireKey
 from thetascope.engine.compiler import cache
-from thetascope.server import prewarm
+from thetascope.server import connections, prewarm
 from thetascope.settings import Settings, load
 from thetascope.store import Database
 
@@ -158,8 +159,10 @@ def serve(settings: Settings, ready: Callable[[Started], None] = lambda started:
     app = create_app(settings, database)
     gate: Gate = app.state.gate
     key = gate.file.ensured()[1] if gate.expects_others else None
+    notes = connections.Notes()
     config = uvicorn.Config(
         app,
+        http=connections.protocol(connections.allowed(settings.connections), notes),
         host=settings.host,
         port=settings.port,
         log_config=None,
@@ -173,6 +176,7 @@ def serve(settings: Settings, ready: Callable[[Started], None] = lambda started:
 
     class Server(uvicorn.Server):
         async def startup(self, sockets: list[socket] | None = None) -> None:
+            connections.watch(asyncio.get_running_loop(), notes)
             await super().startup(sockets)
             if self.started:
                 port = self.servers[0].sockets[0].getsockname()[1]

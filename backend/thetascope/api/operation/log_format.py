@@ -58,7 +58,7 @@ def _short(value: object) -> object:
 
 def _printable(value: object) -> str:
     text = str(_short(value) if isinstance(value, str) else value)
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
 def install(settings: Settings) -> None:
