@@ -11,7 +11,14 @@ from thetascope.store import Damaged, Database, RunStore, StoreError
 
 #: Columns of a run and of a result whose change must be found, with SQL for another value of the same type.
 TEXTS = "replace({0}, substr({0}, 1, 1), '~')"
-RUN = {"spec": "spec", "title": "spec", "summary": "outcome", "engine": "outcome", "status": "outcome"}
+RUN = {
+    "spec": "spec",
+    "title": "spec",
+    "created": "spec",
+    "summary": "outcome",
+    "engine": "outcome",
+    "status": "outcome",
+}
 RESULT = ("head", "rows", "data", "checksum")
 
 
@@ -26,7 +33,7 @@ def test_a_changed_run_is_listed_as_damaged_and_hides_no_other(open_store, colum
     store = open_store()
     for id in ("before", "hit", "after"):
         store.put(made_record(id))
-    change(store, "runs", column, "hit", TEXTS.format(column))
+    change(store, "runs", column, "hit", "created + 0.5" if column == "created" else TEXTS.format(column))
     assert {run.id: run.damaged for run in store.page()} == {"before": False, "hit": True, "after": False}
     if RUN[column] == "spec":
         with pytest.raises(Damaged, match=r"run hit is damaged.*run the experiment again"):

@@ -79,6 +79,19 @@ def test_a_result_larger_than_the_limit_is_not_stored_and_displaces_nothing(open
     assert store.has_result("small", "e")
 
 
+def test_a_damaged_size_removes_no_result(open_store):
+    """Before something is deleted, sizes are read from the results; the listing goes on with any size."""
+    store = open_store(limit=3 * (SIZE + 1000))
+    for id in ("a", "b"):
+        store.put(made_record(id))
+        store.put_result(id, "e", made_result())
+    with store._database.writing() as connection:
+        connection.exec_driver_sql("UPDATE results SET size = 9000000000000000000")
+    assert store.usage()["results"] == 2
+    store.put_result("c", "e", made_result())
+    assert all(store.has_result(id, "e") for id in "abc") and store.usage()["bytes"] < 3 * (SIZE + 1000)
+
+
 def test_a_recomputed_run_keeps_its_pin_and_time_of_creation(open_store):
     """It is the same run."""
     store = open_store()

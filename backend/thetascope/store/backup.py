@@ -68,8 +68,6 @@ def restore(place: Path | str, file: Path, force: bool = False) -> Restored:
     Raises StoreError if a server owns the store, if the backup cannot be read, and unless `force` if the store has runs
     or the backup is damaged. With `force` damaged rows are left out, and the file of the store is kept beside.
     """
-    if not file.is_file():
-        raise StoreError(Message("store.no-backup", file=str(file)))
     with opened(file) as source:
         found = verify(source)
         if found.defects and not force:
@@ -93,6 +91,8 @@ def restore(place: Path | str, file: Path, force: bool = False) -> Restored:
 @contextmanager
 def opened(file: Path) -> Iterator[Database]:
     """Open a backup for reading; one of an earlier version as an upgraded copy."""
+    if not file.is_file():
+        raise StoreError(Message("store.no-backup", file=str(file)))
     try:
         database = Database(file, read_only=True)
     except StoreError as error:

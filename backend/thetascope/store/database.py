@@ -163,7 +163,7 @@ class Database:
 def backend_of(place: Path | str, timeout: float, read_only: bool) -> Backend:
     """Return the kind of database that a path or URL names. Raises StoreError for other kinds."""
     if isinstance(place, Path) or "://" not in place:
-        return SQLite(Path(place), timeout, read_only)
+        return SQLite(Path(place).expanduser(), timeout, read_only)
     try:
         url = make_url(place)
     except (ArgumentError, ValueError):

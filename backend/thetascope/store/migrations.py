@@ -9,10 +9,10 @@ from thetascope.store.tables import RESULTS, RUNS, outcome_sum, result_sum, spec
 
 def add_checksums(connection: Connection) -> None:
     """Give the rows of an earlier version checksums, one row after the other."""
-    columns = (RUNS.c.spec, RUNS.c.title, RUNS.c.status, RUNS.c.error, RUNS.c.summary, RUNS.c.engine)
+    columns = (RUNS.c.spec, RUNS.c.title, RUNS.c.created, RUNS.c.status, RUNS.c.error, RUNS.c.summary, RUNS.c.engine)
     for id in connection.execute(select(RUNS.c.id)).scalars().all():
-        spec, title, *outcome = connection.execute(select(*columns).where(RUNS.c.id == id)).one()
-        sums = {"spec_sum": spec_sum(id, spec, title), "outcome_sum": outcome_sum(id, *outcome)}
+        spec, title, created, *outcome = connection.execute(select(*columns).where(RUNS.c.id == id)).one()
+        sums = {"spec_sum": spec_sum(id, spec, title, created), "outcome_sum": outcome_sum(id, *outcome)}
         connection.execute(update(RUNS).where(RUNS.c.id == id).values(**sums))
     for id, engine in connection.execute(select(RESULTS.c.id, RESULTS.c.engine)).all():
         place = (RESULTS.c.id == id) & (RESULTS.c.engine == engine)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from sqlalchemy import Connection, Row, Table, bindparam, delete, desc, func, select, update
+from sqlalchemy import Connection, Float, Row, Table, bindparam, cast, delete, desc, func, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 
 from thetascope.engine.model.result import Result
@@ -41,8 +41,17 @@ _PAGE = select(RUNS).order_by(desc(RUNS.c.created), RUNS.c.id).limit(bindparam("
 _GET_RESULT = select(RESULTS).where(_RESULT)
 _HAS_RESULT = select(1).where(_RESULT)
 _COUNT = select(func.count()).select_from(RUNS)
-_SUMS = select(func.count(), func.coalesce(func.sum(RESULTS.c.size), 0))
-_CHANGED = ("spec", "title", "status", "error", "summary", "engine", "spec_sum", "outcome_sum")
+_SUM = func.coalesce(func.sum(cast(RESULTS.c.size, Float)), 0)  # damaged sizes do not exceed the range of a float
+_SUMS = select(func.count(), _SUM)
+_SIZE = func.length(RESULTS.c.head) + func.length(RESULTS.c.data)
+_TRUE_SIZES = update(RESULTS).values(size=_SIZE).where(RESULTS.c.size != _SIZE)
+_CANDIDATES = (
+    select(RESULTS.c.id, RESULTS.c.engine, RESULTS.c.size)
+    .select_from(RESULTS.outerjoin(RUNS, RUNS.c.id == RESULTS.c.id))
+    .where(func.coalesce(RUNS.c.pinned, 0) == 0)
+    .order_by(RESULTS.c.used)
+)
+_CHANGED = ("spec", "title", "status", "error", "summary", "engine", "spec_sum", "outcome_sum", "created")
 
 
 def _upserts(table: Table, changed: Sequence[str]) -> dict[str, Any]:
@@ -56,7 +65,7 @@ def _upserts(table: Table, changed: Sequence[str]) -> dict[str, Any]:
     }
 
 
-_PUT = _upserts(RUNS, _CHANGED)  # not the time of creation, nor the pin
+_PUT = _upserts(RUNS, _CHANGED)  # not the pin
 _GET_OWNERS = select(OWNERS.c.owner).where(OWNERS.c.run == bindparam("id"))
 _OWN = {
     "sqlite": sqlite.insert(OWNERS).on_conflict_do_nothing(),
@@ -105,15 +114,19 @@ class RunStore:
         """Insert or update a run; an existing one keeps its time of creation and its pin."""
         title = record.title.replace("\0", "\ufffd")  # PostgreSQL has no text with this character
         outcome = (record.status, _dump(record.error), _dump(record.summary), record.engine)
-        changed = {
-            "spec": record.spec,
-            "title": title,
-            **dict(zip(_CHANGED[2:6], outcome, strict=True)),
-            "spec_sum": spec_sum(record.id, record.spec, title),
-            "outcome_sum": outcome_sum(record.id, *outcome),
-        }
         with self._database.writing() as connection:
-            row = {"id": record.id, "created": record.created, "pinned": int(record.pinned), **changed}
+            known = connection.execute(_GET, {"id": record.id}).one_or_none()
+            created = known.created if known is not None and has_spec(known) else float(record.created)
+            row = {
+                "id": record.id,
+                "spec": record.spec,
+                "title": title,
+                **dict(zip(_CHANGED[2:6], outcome, strict=True)),
+                "spec_sum": spec_sum(record.id, record.spec, title, created),
+                "outcome_sum": outcome_sum(record.id, *outcome),
+                "created": created,
+                "pinned": int(record.pinned),
+            }
             connection.execute(_PUT[connection.dialect.name], row)
 
     def get(self, id: str) -> Record | None:
@@ -175,12 +188,11 @@ class RunStore:
 
     def interrupted(self, error: dict[str, Any]) -> None:
         """Mark runs as failed that an earlier server accepted and did not finish."""
-        columns = (RUNS.c.id, RUNS.c.summary, RUNS.c.engine)
         with self._database.writing() as connection:
-            active = select(*columns).where(RUNS.c.status.in_(("queued", "running")))
-            for id, summary, engine in connection.execute(active).all():
-                outcome = ("failed", _dump(error), summary, engine)
-                change = {"status": "failed", "error": outcome[1], "outcome_sum": outcome_sum(id, *outcome)}
+            active = select(RUNS.c.id, RUNS.c.engine).where(RUNS.c.status.in_(("queued", "running")))
+            for id, engine in connection.execute(active).all():
+                outcome = ("failed", _dump(error), None, engine)
+                change = dict(zip(_CHANGED[2:6], outcome, strict=True)) | {"outcome_sum": outcome_sum(id, *outcome)}
                 connection.execute(update(RUNS).where(RUNS.c.id == id).values(**change))
 
     def put_result(self, id: str, engine: str, result: Result) -> bool:
@@ -238,17 +250,12 @@ class RunStore:
 
     def _evict(self, connection: Connection) -> None:
         """Delete the least recently used results until the rest fits. Pinned ones stay even beyond the limit."""
-        total = connection.execute(select(func.coalesce(func.sum(RESULTS.c.size), 0))).scalar_one()
-        excess = int(total) - self._limit
-        if excess <= 0:
+        if connection.execute(select(_SUM)).scalar_one() <= self._limit:
             return
-        candidates = (
-            select(RESULTS.c.id, RESULTS.c.engine, RESULTS.c.size)
-            .select_from(RESULTS.outerjoin(RUNS, RUNS.c.id == RESULTS.c.id))
-            .where(func.coalesce(RUNS.c.pinned, 0) == 0)
-            .order_by(RESULTS.c.used)
-        )
-        for id, engine, size in connection.execute(candidates).all():
+        # `size` is in no checksum: before something is deleted, the sizes are read from the results themselves
+        connection.execute(_TRUE_SIZES)
+        excess = connection.execute(select(_SUM)).scalar_one() - self._limit
+        for id, engine, size in connection.execute(_CANDIDATES).all() if excess > 0 else ():
             if excess <= 0:
                 break
             connection.execute(delete(RESULTS).where(_result(id, engine)))

@@ -24,7 +24,7 @@ class SQLite:
 
     def __init__(self, path: Path, timeout: float, read_only: bool) -> None:
         self.path, self.place, self._timeout, self._read_only = path, str(path), timeout, read_only
-        self._owner = OwnerFile(path)
+        self._owner = OwnerFile(path.resolve())
 
     def prepare(self) -> None:
         """Create the folder of the file. Raises OSError, or StoreError for a file that should be there."""

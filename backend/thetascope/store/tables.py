@@ -25,8 +25,8 @@ class Blob(LargeBinary):
 
 METADATA = MetaData()
 
-#: Specs are kept. `spec_sum` and `outcome_sum` are checksums of what is posted and of what is computed. `created` and
-#: `pinned` change without the rest and are in neither.
+#: Specs are kept. `spec_sum` and `outcome_sum` are checksums of what is posted and of what is computed. `pinned`
+#: changes without the rest and is in neither.
 RUNS = Table(
     "runs",
     METADATA,
@@ -84,9 +84,9 @@ def checksum(*parts: object) -> str:
     return digest.hexdigest()
 
 
-def spec_sum(id: str, spec: object, title: object) -> str:
+def spec_sum(id: str, spec: object, title: object, created: object) -> str:
     """Return the checksum of the experiment of a run."""
-    return checksum(id, spec, title)
+    return checksum(id, spec, title, created)
 
 
 def outcome_sum(id: str, status: object, error: object, summary: object, engine: object) -> str:
@@ -101,7 +101,7 @@ def result_sum(id: str, engine: str, rows: object, head: object, data: object) -
 
 def has_spec(row: Any) -> bool:
     """Return whether the experiment in a row of `runs` is the one that was written."""
-    return row.spec_sum == spec_sum(row.id, row.spec, row.title)
+    return row.spec_sum == spec_sum(row.id, row.spec, row.title, row.created)
 
 
 def is_whole(row: Any) -> bool:

@@ -155,7 +155,6 @@ def test_code_of_another_installation_or_key_is_not_loaded(folder, tmp_path):
         shutil.copy(folder / "kernel" / "a", folder / kind / name)
         assert cache.read(kind, name) is None
     (folder / "key").write_bytes(bytes(32))
-    cache_folder.key.cache_clear()
     assert cache.read("kernel", "a") is None
 
 
@@ -172,10 +171,8 @@ def test_a_key_that_cannot_be_trusted_is_replaced(folder, damage):
         key.symlink_to(folder / "kernel" / "a")
     else:
         key.write_bytes(b"" if damage == "empty" else b"short")
-    cache_folder.key.cache_clear()
     assert cache.read("kernel", "a") is None
     cache.write("kernel", "a", b"again")
-    cache_folder.key.cache_clear()
     assert cache.read("kernel", "a") == b"again" and mode(key) == 0o600
 
 
@@ -191,6 +188,17 @@ def test_processes_that_start_together_agree_on_one_key(tmp_path):
             place.mkdir()
             keys = set(pool.map(first_key, [str(place)] * 4))
             assert keys == {(place / "key").read_bytes()}
+
+
+def test_processes_agree_on_one_key_after_the_folder_was_deleted(folder):
+    """The cache may be deleted at any time; workers and the service exchange kernels through it afterwards, too."""
+    cache.write("kernel", "a", b"body")
+    shutil.rmtree(folder)
+    assert cache.read("kernel", "a") is None
+    cache.write("kernel", "a", b"again")
+    with ProcessPoolExecutor(1) as pool:
+        assert pool.submit(first_key, str(folder)).result() == cache_folder.key(folder)
+    assert cache.read("kernel", "a") == b"again"
 
 
 def test_a_cache_that_cannot_be_written_is_no_error(folder, monkeypatch):

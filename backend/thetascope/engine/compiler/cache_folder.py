@@ -16,6 +16,7 @@ from thetascope.engine.errors import FolderRefused
 from thetascope.messages import Message
 
 _KEY_BYTES = 32
+_ALONE = secrets.token_bytes(_KEY_BYTES)  # of this process, where none can be stored
 
 
 def protect(folder: Path) -> None:
@@ -73,13 +74,28 @@ def _is_private(group: int, user: int) -> bool:
     return entry.gr_name == name and set(entry.gr_mem) <= {name}
 
 
-@lru_cache(maxsize=8)
 def key(folder: Path) -> bytes:
     """Return the secret key of a cache folder; it is created when it is lacking or others could have read it.
 
-    Of several processes that create it at the same time, all get the same. Where it cannot be stored, the process has
-    a key of its own.
+    Of several processes that create it at the same time, all get the same; they follow when the folder was deleted.
+    Where it cannot be stored, the process has a key of its own.
     """
+    try:
+        status = (folder / "key").stat(follow_symlinks=False)
+    except OSError:
+        return _created(folder)
+    known = _read(folder, status.st_ino, status.st_mtime_ns, status.st_mode, status.st_size)
+    return known or _created(folder)
+
+
+@lru_cache(maxsize=8)
+def _read(folder: Path, *identity: int) -> bytes | None:
+    """Return the stored key, read once while its file stays the same."""
+    return _stored(folder / "key")
+
+
+def _created(folder: Path) -> bytes:
+    """Return a new key, or that of another process that created one meanwhile."""
     place = folder / "key"
     exists = os.path.lexists(place)
     known = _stored(place)
@@ -89,7 +105,7 @@ def key(folder: Path) -> bytes:
     try:
         handle, name = tempfile.mkstemp(dir=folder)  # with mode 0600
     except OSError:
-        return fresh
+        return _ALONE
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(fresh)
