@@ -1,6 +1,7 @@
 """A service that other machines can reach: nothing without the access key, and the key in no address."""
 
 import json
+import socket
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -295,6 +296,9 @@ def test_a_proxy_in_front_of_loopback_needs_the_key_and_a_local_program_does_not
         for headers in ({"Host": "lab.example.org"}, {"X-Forwarded-For": "10.0.0.1"}, {"Via": "1.1 proxy"}):
             assert ask(address, "/api/runs", headers).status == 401
             assert ask(address, "/api/runs", headers | {"X-Access-Key": key}).status == 200
+        with socket.create_connection(("127.0.0.1", urlsplit(address).port), timeout=60) as connection:
+            connection.sendall(b"GET /api/runs HTTP/1.0\r\nHost: 127.0.0.1\r\n\r\n")
+            assert connection.recv(1000).split()[1] == b"401"
 
 
 def test_open_asks_nobody_and_warns(tmp_path):

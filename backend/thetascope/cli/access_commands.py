@@ -25,8 +25,9 @@ def key_command(new: bool, say: Words) -> int:
         print(say("cli.key.chosen"))
         return 0
     if new:
+        key = file.renew()
         print(say("cli.key.new"))
-        print(file.renew())
+        print(key)
         return 0
     keys, key = file.ensured()
     if key is None:

@@ -8,6 +8,7 @@ from thetascope.api.http.hosts import name_of
 
 KEY_HEADER = "X-Access-Key"
 NAME_HEADER = "X-Client"
+# No browser speaks HTTP/1.0; nginx does to the service behind it, and by default adds none of these headers.
 _PROXIES = ("forwarded", "via", "x-forwarded-for", "x-forwarded-host", "x-forwarded-proto", "x-real-ip")
 
 
@@ -17,7 +18,7 @@ def presented(connection: HTTPConnection) -> Presented:
     return Presented(
         address=connection.client.host if connection.client else "",
         loopback_name=is_loopback(name_of(headers.get("host", "")) or ""),
-        proxied=any(name in headers for name in _PROXIES),
+        proxied=any(name in headers for name in _PROXIES) or connection.scope.get("http_version") == "1.0",
         keys=keys_in(headers),
         tickets=_cookies(headers),
         script=headers.get(NAME_HEADER, "").strip(),

@@ -39,7 +39,7 @@ button { margin: 1rem 0; border: 0; background: var(--accent); color: var(--on-a
   cursor: pointer; }
 :focus-visible { outline: 3px solid var(--accent); outline-offset: 2px; }
 .soft { color: var(--soft); font-size: 0.9rem; }
-.problem { color: var(--alarm); font-weight: 600; }
+.problem { margin: 0.75rem 0 0; color: var(--alarm); font-weight: 600; }
 nav a, nav span { display: inline-block; padding: 0.5rem 0.75rem 0.5rem 0; }
 a { color: var(--accent); }
 """
