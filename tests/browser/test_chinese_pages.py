@@ -78,6 +78,12 @@ def test_the_live_page_has_no_english_sentence(tab):
     live.click("#panel-inject .heading .link")
     live.locator("#panel-inject .dots").first.click()
     seen = english(live)
+    live.click("#panel-truth .heading .link")
+    live.evaluate("for (const one of document.querySelectorAll('#panel-truth details')) one.open = true")
+    live.click(".truth-section:last-of-type > .link")
+    seen |= english(live)
+    for part in (".truth-foot .link", "#panel-truth .heading .link"):
+        live.click(part)
     for fold in live.locator("#panel-diagnosis .heading-links button").all():
         fold.click()
         rested(live)

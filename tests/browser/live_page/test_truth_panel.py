@@ -144,7 +144,7 @@ def test_further_states_act_after_a_new_start(tab):
     live.keyboard.press("Tab")
     write(live, "Name of further state 1", "sag")
     write(live, "Initial value of further state 1", "2")
-    assert live.evaluate(SUMMARY).startswith("1 difference") and live.evaluate(f"{TRUTH}.states") == []
+    assert live.evaluate(SUMMARY).startswith("draft, not acting yet") and live.evaluate(f"{TRUTH}.states") == []
     live.click("text=Start again with this reality")
     until(live, "document.querySelector('.truth-state .refused:not(:empty)')")
     assert "'nope'" in live.inner_text(".truth-state .refused:not(:empty)")
@@ -154,6 +154,7 @@ def test_further_states_act_after_a_new_start(tab):
     until(live, f"{APP}.state.session !== '{first}' && {APP}.state.facts")
     assert live.evaluate(f"[{APP}.state.faults.length, {APP}.state.spec.truth.states[0].name]") == [5, "sag"]
     until(live, f"{APP}.latest('x.sag') === 2 && {SUMMARY}.startsWith('1 difference')")
+    assert live.evaluate("document.activeElement.closest('#panel-truth') !== null")
     write(live, "Expression added to the equation of speed of the shaft", "sag")
     until(live, f"{TRUTH}.dynamics.speed === 'sag'")
     second = live.evaluate(f"{APP}.state.session")

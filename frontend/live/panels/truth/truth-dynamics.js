@@ -13,7 +13,7 @@ import {section, textRow} from './truth-rows.js';
 /** @import * as service from '../../../types/service.js' */
 
 /**
- * @param {Context & {shown: () => Truth}} context
+ * @param {Context} context
  * @returns {Section}
  */
 export function dynamicsSection(context) {
@@ -82,7 +82,7 @@ export function dynamicsSection(context) {
 
 /**
  * The rows of one further state: its name, where it starts, its unit and its equation.
- * @param {Context & {shown: () => Truth}} context
+ * @param {Context} context
  * @param {number} place   among the further states
  * @param {string} prime
  */

@@ -19,6 +19,7 @@ import {t} from '../../../i18n/words.js';
  * @property {() => void} focus
  */
 
+const ROOM = 9; // characters
 let rows = 0;
 
 /**
@@ -77,6 +78,7 @@ const undoOf = (name, act) =>
  * @param {object} options
  * @param {string} options.path
  * @param {Child} options.label
+ * @param {number} [options.room]      characters of the label beside the slider; a longer one is above it
  * @param {string} options.name        in full, for readers of screens
  * @param {string} [options.hint]
  * @param {string} options.unit
@@ -92,7 +94,8 @@ const undoOf = (name, act) =>
  * @returns {Row}
  */
 export function numberRow(options) {
-  const {path, label, name, hint, unit, scale, low, high, value, differs, change, snap = (one) => one} = options;
+  const {path, label, name, hint, unit, scale, low, high, value, differs, change} = options;
+  const {room = ROOM, snap = (one) => one} = options;
   const control = slider({
     name,
     scale,
@@ -113,10 +116,16 @@ export function numberRow(options) {
     mark.fail(null);
     options.back();
   });
+  const caption = h('span', {class: 'label'}, label);
   const element = h(
     'div',
-    {class: 'truth-row', role: 'group', 'aria-label': name, title: hint},
-    h('span', {class: 'label'}, label),
+    {
+      class: `truth-row${caption.textContent.length > room ? ' wordy' : ''}`,
+      role: 'group',
+      'aria-label': name,
+      title: hint,
+    },
+    caption,
     control.range,
     control.field,
     h('span', {class: 'unit', title: unit}, unit),

@@ -21,6 +21,7 @@ import {numberRow, section, textRow} from './truth-rows.js';
  * @property {Plant} plant
  * @property {Experiment} spec
  * @property {(path: string, edit: Edit) => void} change
+ * @property {() => Truth} shown
  */
 
 /** @typedef {{element: HTMLDetailsElement, rows: Row[], follow: (truth: Truth) => void}} Section */
@@ -52,6 +53,7 @@ export function parameterSection({plant, spec, change}) {
   const deviation = numberRow({
     path: 'deviation',
     label: t('page.truth.all'),
+    room: Infinity,
     name: t('page.inject.model-of'),
     hint: t('page.inject.model-hint'),
     unit: '%',
@@ -166,7 +168,7 @@ function differs(truth, path) {
  * @param {Plant['outputs'][number]} output
  * @returns {Row[]}
  */
-function sensorRows({app, plant, spec, change}, {name, unit}) {
+function sensorRows({app, plant, spec, change, shown}, {name, unit}) {
   const {step, noise} = app.state;
   const own = scales.periodOf(plant, spec, noise[name]);
   const least = Math.max(step, own ?? 10 * step);
@@ -182,6 +184,7 @@ function sensorRows({app, plant, spec, change}, {name, unit}) {
     return numberRow({
       path,
       label: t(`page.truth.sensor.${field}`),
+      room: Infinity,
       name: t(`page.truth.sensor-of.${field}`, {name: called(name, plant)}),
       hint: t(`page.truth.sensor-hint.${field}`),
       unit: 's',
@@ -195,6 +198,11 @@ function sensorRows({app, plant, spec, change}, {name, unit}) {
   };
   /** @param {number} value */
   const snap = (value) => Math.max(step, edits.onGrid(value, step));
+  /** The longest delay: a step less than the period. */
+  const longest = () => {
+    const period = edits.sensorOf(shown(), name).period ?? own;
+    return period === null ? Infinity : Math.max(0, edits.onGrid(period - step, step));
+  };
   const path = `outputs.${name}.adds`;
   return [
     row('correlation', {scale: scales.timeScale(least, spec.horizon)}),
@@ -202,7 +210,7 @@ function sensorRows({app, plant, spec, change}, {name, unit}) {
     row('missing', {scale: linear(0, MOST_LOST), high: MOST_LOST, unit: '%'}, 100),
     row('jitter', {
       scale: scales.jitterScale(own, step),
-      snap,
+      snap: (value) => Math.min(edits.onGrid(value, step), longest()),
       fit(truth, scale) {
         scale.max = scales.jitterScale(edits.sensorOf(truth, name).period ?? own, step).max;
       },

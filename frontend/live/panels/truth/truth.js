@@ -21,6 +21,7 @@ export function mount(element, app) {
   let open = false;
   /** @type {boolean[]} of each section */
   let unfolded = [];
+  let started = false; // again, by a button of this panel, which the focus comes back to
   /** @type {string | null} the session whose truth this is */
   let session = null;
   const present = () => complete(app.state.facts?.truth);
@@ -56,6 +57,7 @@ export function mount(element, app) {
     foot.setAttribute('aria-busy', 'true');
     try {
       await app.act.restart(edits.withTruth(spec, truth));
+      started = true;
     } catch (error) {
       const {errors = []} = /** @type {{errors?: {field: string}[]}} */ (error);
       for (const one of errors.length ? errors : [error])
@@ -117,7 +119,9 @@ export function mount(element, app) {
     for (const [place, one] of sections.entries())
       one.element.open = differencesIn(one) || (unfolded[place] ?? place === 0);
     enable();
-    return unfold(open);
+    unfold(open);
+    if (started) toggle.focus();
+    started = false;
   };
   /** @param {Section} one */
   const differencesIn = (one) => {
@@ -137,7 +141,11 @@ export function mount(element, app) {
     if (!plant) return;
     const truth = source.shown;
     const parts = differences(truth, plant);
-    const words = parts.length ? t('page.truth.summary', {n: parts.length, parts}) : t('page.truth.none');
+    const words = source.draft
+      ? t('page.truth.draft', {parts})
+      : parts.length
+        ? t('page.truth.summary', {n: parts.length, parts})
+        : t('page.truth.none');
     if (summary.textContent !== words) summary.textContent = words;
     summary.title = words;
     element.classList.toggle('differing', parts.length > 0);
