@@ -6,7 +6,7 @@ from tests.browser.live_helpers import APP, opened, reload, rested, until
 
 PATH = "/?experiment=dc-motor&t=2"
 TRUTH = f"{APP}.state.facts.truth"
-SUMMARY = "document.querySelector('.truth-summary').textContent"
+SUMMARY = "(document.querySelector('.truth-summary')?.textContent ?? '')"
 #: Label of a field → text, path in the truth, value.
 NUMBERS = {
     "True value of R": ("1.3", "parameters.R", 1.3),
@@ -70,7 +70,7 @@ def test_every_difference_reaches_the_session_and_is_kept(page):
     until(live, f"{APP}.state.log.some(({{kind}}) => kind === 'truth')")
     truth = live.evaluate(TRUTH)
 
-    until(live, "location.hash.startsWith('#s=')")
+    until(live, f"location.hash.startsWith('#s=') && {APP}.state.spec.commands.at(-1).truth.dynamics.speed")
     link = live.evaluate(f"{APP}.act.link()")
     reload(live)
     until(live, f"window.thetascope?.state.facts && {SUMMARY}.startsWith('8 differences')")
@@ -82,7 +82,7 @@ def test_every_difference_reaches_the_session_and_is_kept(page):
     assert live.evaluate(TRUTH) == truth
     assert live.evaluate(f"{APP}.state.spec.commands.at(-1).truth") == truth  # of which a saved run is made
 
-    live.goto(link)
+    live = opened(page, link[link.index("/#") :])
     until(live, f"window.thetascope?.state.facts && {SUMMARY}.startsWith('8 differences')")
     assert live.evaluate(TRUTH) == truth
     unfold(live)
