@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from tests.api.conftest import Client, service, until
+from tests.api.conftest import Client, process, service, until
 from tests.runs.samples import long_data, spec_data
 from thetascope.client import ServiceError
 
@@ -130,3 +130,16 @@ def test_a_restarted_service_finds_the_run_and_stays_responsive(tmp_path):
         for _ in range(20):
             assert client.health()["status"] == "ok"
         assert client.get(long["links"]["self"])["status"] == "running"
+
+
+def test_a_run_during_which_the_service_ended_is_finished_by_the_next(tmp_path):
+    """SIGTERM ends the service soon; the same run, with the same address, goes on at the next start."""
+    with process(tmp_path, workers=1, wait=0) as (started, address), Client(address) as client:
+        run = posted(client, {**long_data(seed=41), "horizon": 8000})[2]
+        until(lambda: client.get(run["links"]["progress"])["progress"] > 0)
+        started.terminate()
+        started.wait(60)
+    with service(tmp_path, workers=1) as address, Client(address, timeout=120) as client:
+        assert client.get(run["links"]["self"])["status"] in ("queued", "running", "done")
+        assert client.wait(run["id"])["status"] == "done"
+        assert client.get(run["links"]["self"])["summary"]["rows"] > 1

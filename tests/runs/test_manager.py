@@ -1,6 +1,7 @@
 """Runs are functions of their specs: found, recomputed, cancelled, refused."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from tests.runs.samples import PLANT, long_spec, spec
 from thetascope.runs.jobs.job import Ended, Job, Snapshot
 from thetascope.runs.jobs.manager import RunManager
+from thetascope.runs.jobs.store_rows import INTERRUPTED
 from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Unknown
 from thetascope_schemas.experiment.experiment import Experiment
 
@@ -190,14 +192,38 @@ def test_an_invalid_expression_is_refused_with_its_field_in_the_experiment(start
     assert "column 8" in refusal.value.errors[0].problem
 
 
-def test_a_run_interrupted_by_the_end_of_the_service_is_marked(start):
-    """Its client gets the reason instead of waiting forever."""
+def test_a_run_that_the_end_of_the_service_cuts_off_is_computed_by_the_next(start):
+    """It waits in the store; who waits for it is told to come back. A cancelled one stays cancelled."""
     runs = start()
-    job = runs.submit(long_spec())
-    until(lambda: job.status == "running")
+    job, given_up = runs.submit(long_spec()), runs.submit(long_spec(seed=1))
     runs.announce(job)
+    runs.announce(given_up)
+    until(lambda: job.status == "running")
+    runs.cancel(given_up.id)
+    given_up.done.result(SECONDS)
     runs = start()
-    assert runs.get(job.id).status == "cancelled"
+    with pytest.raises(Busy, match="stopping"):
+        job.done.result(SECONDS)
+    assert runs.get(job.id).active
+    until(lambda: runs.get(job.id).progress > 0)
+    runs.cancel(job.id)
+    until(lambda: runs.get(job.id).status == "cancelled")
+    assert runs.get(given_up.id).status == "cancelled" and runs.queue()[0] == 0
+
+
+def test_a_run_during_which_two_services_crashed_fails(start):
+    """After one crash it is resumed, and has its result; after two it may be the reason, and is not tried again."""
+    runs = start()
+    ids = [completed(runs, spec(seed=seed)).id for seed in (1, 2)]
+    runs = start()
+    records = [runs._store.get(id) for id in ids]
+    for id, record, error in zip(ids, records, (None, INTERRUPTED.model_dump(mode="json")), strict=True):
+        runs._store.delete(id)
+        runs._store.put(replace(record, status="running", summary=None, error=error))
+    runs.resume()
+    until(lambda: runs.get(ids[0]).status == "done")
+    assert numbers(runs, ids[0]).shape[0] > 1 and runs.get(ids[0]).problem is None
+    assert (runs.get(ids[1]).status, runs.get(ids[1]).problem.code) == ("failed", "run.interrupted")
 
 
 def test_a_removed_run_is_in_neither_memory_nor_store(start):

@@ -73,7 +73,7 @@ def test_a_store_opened_for_reading_is_not_changed(place, open_store):
         lambda: reader.put_result("b", "e", made_result()),
         lambda: reader.pin("a", True),
         lambda: reader.delete("a"),
-        lambda: reader.interrupted({}),
+        lambda: reader.own("a", {"me"}),
     )
     for change in changes:
         with pytest.raises(StoreError, match="for reading only.*without --read-only"):

@@ -121,14 +121,14 @@ def test_a_deleted_run_is_deleted_with_its_result(open_store):
     assert not store.delete("a")
 
 
-def test_runs_interrupted_by_a_crash_are_marked_as_failed(open_store):
-    """No client waits for a run that is not computed."""
+def test_runs_that_were_not_finished_are_found_oldest_first(open_store):
+    """With their specs; those that have ended are not among them."""
     store = open_store()
-    store.put(made_record("lost", status="running", summary=None))
-    store.put(made_record("done"))
-    store.interrupted({"title": "interrupted"})
-    assert (store.get("lost").status, store.get("lost").error) == ("failed", {"title": "interrupted"})
-    assert store.get("done").status == "done"
+    for id, status, created in (("done", "done", 1.0), ("late", "running", 3.0), ("early", "queued", 2.0)):
+        store.put(made_record(id, status=status, created=created))
+    unfinished = store.unfinished()
+    assert [record.id for record in unfinished] == ["early", "late"]
+    assert all(record.spec for record in unfinished)
 
 
 def test_threads_and_other_processes_write_and_read_concurrently(open_store):

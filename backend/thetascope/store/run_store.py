@@ -40,6 +40,7 @@ _GET = select(RUNS).where(_BY_ID)
 _PAGE = select(RUNS).order_by(desc(RUNS.c.created), RUNS.c.id).limit(bindparam("limit")).offset(bindparam("offset"))
 _GET_RESULT = select(RESULTS).where(_RESULT)
 _HAS_RESULT = select(1).where(_RESULT)
+_UNFINISHED = select(RUNS).where(RUNS.c.status.in_(("queued", "running"))).order_by(RUNS.c.created)
 _COUNT = select(func.count()).select_from(RUNS)
 _SUM = func.coalesce(func.sum(cast(RESULTS.c.size, Float)), 0)  # damaged sizes do not exceed the range of a float
 _SUMS = select(func.count(), _SUM)
@@ -186,14 +187,11 @@ class RunStore:
             connection.execute(delete(OWNERS).where(OWNERS.c.run == id))
             return connection.execute(delete(RUNS).where(RUNS.c.id == id)).rowcount > 0
 
-    def interrupted(self, error: dict[str, Any]) -> None:
-        """Mark runs as failed that an earlier server accepted and did not finish."""
-        with self._database.writing() as connection:
-            active = select(RUNS.c.id, RUNS.c.engine).where(RUNS.c.status.in_(("queued", "running")))
-            for id, engine in connection.execute(active).all():
-                outcome = ("failed", _dump(error), None, engine)
-                change = dict(zip(_CHANGED[2:6], outcome, strict=True)) | {"outcome_sum": outcome_sum(id, *outcome)}
-                connection.execute(update(RUNS).where(RUNS.c.id == id).values(**change))
+    def unfinished(self) -> list[Record]:
+        """Return the runs that a server accepted and did not finish, oldest first, without those that are damaged."""
+        with self._database.reading() as connection:
+            rows = connection.execute(_UNFINISHED).all()
+        return [record for row in rows if has_spec(row) and not (record := _record(row)).damaged]
 
     def put_result(self, id: str, engine: str, result: Result) -> bool:
         """Store a result, deleting others if space is short. Return False, storing nothing, if it exceeds the limit."""

@@ -35,17 +35,21 @@ class Services:
         database: Database | None = None,
         run_ended: Callable[[str, float], None] = lambda outcome, seconds: None,
     ) -> "Services":
-        """Open the store, if it is not given, and start the manager; `run_ended`: see RunManager. Raises StoreError."""
+        """Open the store, if it is not given, start the manager, and resume runs; `run_ended`: see RunManager.
+
+        Raises StoreError.
+        """
         database = database or Database.for_service(settings.store, bool(settings.read_only))
         preload(PRELOADED)
         limits = Limits(settings.job_seconds, settings.job_cpu, settings.job_memory)
         workers = Workers(settings.workers, limits, settings.queue)
         runs = RunManager(settings, RunStore(database, settings.store_limit), workers, run_ended)
+        runs.resume()
         return cls(settings, workers, runs, Hub(settings, workers), database)
 
     def end_computations(self) -> None:
-        """Cancel the active runs, and end all other computations and their processes."""
-        self.runs.cancel_all()
+        """End the active runs, all other computations and their processes."""
+        self.runs.stop()
         self.workers.close()
 
     def close(self) -> None:

@@ -42,6 +42,7 @@ class Job:
 
     `done` resolves to the last snapshot; it does not raise when the run fails (the snapshot says so), only
     InvalidSpec when the spec was refused before the run began. `holders` counts the requests that wait for it.
+    `interrupted`: the service ends, and its next start computes the run.
     `owners` are those who asked for it.
     """
 
@@ -55,6 +56,7 @@ class Job:
     owners: frozenset[str] = frozenset()
     holders: int = 1
     announced: bool = False
+    interrupted: bool = False
     ending: bool = False
     done: "Future[Snapshot]" = field(default_factory=Future)
     _cancel: Event = field(default_factory=Event)

@@ -8,6 +8,8 @@ from dataclasses import replace
 from functools import partial
 from threading import Lock
 
+from pydantic import ValidationError
+
 from thetascope.access.principal import LOCAL, Principal
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Ended, Finished, Job, Snapshot
@@ -38,8 +40,8 @@ class RunManager:
     other is prepared and run in a worker process, and its result is written to the store in the background. A result
     that is lost in a crash is recomputed from its spec.
 
-    `ended` is called for each run that was computed, with its outcome (done, failed, cancelled, refused) and the
-    seconds since its request.
+    `ended` is called for each run that was computed, with its outcome (done, failed, cancelled, refused, interrupted)
+    and the seconds since its request.
     """
 
     def __init__(
@@ -57,16 +59,35 @@ class RunManager:
         self._lock = Lock()
         self._writer = Writer()
         self._execution = Execution(settings, workers, self._end)
-        if not store.read_only:
-            store.interrupted(INTERRUPTED.model_dump(mode="json"))
 
-    def submit(self, spec: Experiment, by: Principal | None = None, most: int | None = None) -> Snapshot | Job:
+    def resume(self) -> None:
+        """Compute the runs that an earlier service accepted and did not finish.
+
+        A run that was cut off twice without a proper end of the service may be the reason of it: it fails.
+        """
+        for record in [] if self._store.read_only else self._store.unfinished():
+            marked = replace(record, error=INTERRUPTED.model_dump(mode="json"))
+            self._store.put(marked)  # stays until the run, or the service, ends properly
+            if record.error is not None or not self._resumes(record):
+                self._store.put(replace(marked, status="failed"))
+
+    def _resumes(self, record: Record) -> bool:
+        try:
+            return self.submit(snapshot_of(record).spec, announced=True).id == record.id
+        except (ValidationError, InvalidSpec, Busy) as error:
+            log.warning("Run %s is not resumed: %s", record.id, error)
+            return False
+
+    def submit(
+        self, spec: Experiment, by: Principal | None = None, most: int | None = None, announced: bool = False
+    ) -> Snapshot | Job:
         """Return the run of a spec: a snapshot if it has a result, else the job that computes it.
 
         Args:
             spec: the experiment.
             by: who asks for it, and then owns it, too; None: nobody, it is computed again for its owners.
             most: the number of runs of the client that may wait or run.
+            announced: no request waits for it, and the store has it.
 
         Raises:
             InvalidSpec: names that do not fit the plant, or more steps or numbers than the limits allow.
@@ -94,7 +115,9 @@ class RunManager:
                 raise OverLimit(Message("client.runs", n=most), _SOON)
             if len(self._jobs) >= self._room:
                 raise Busy(Message("run.queue-full", n=len(self._jobs)))
-            job = self._jobs[id] = Job(id, spec, client=client, owners=owners, **kept)
+            job = self._jobs[id] = Job(
+                id, spec, client=client, owners=owners, holders=not announced, announced=announced, **kept
+            )
         try:
             self._execution.start(job, complete)
         except Busy:
@@ -226,9 +249,10 @@ class RunManager:
         """How many runs could not be written to the store since the start."""
         return self._writer.failures
 
-    def cancel_all(self) -> None:
-        """Cancel the active runs."""
+    def stop(self) -> None:
+        """End the active runs. The next service computes those whose id a client knows."""
         for job in list(self._jobs.values()):
+            job.interrupted = not job.cancelled
             self._cancel(job)
 
     def close(self) -> None:
@@ -300,6 +324,9 @@ class RunManager:
 
     def _end(self, job: Job, end: Ended | InvalidSpec) -> None:
         """Record a job's outcome, write it, and wake all waiting requests. A second outcome is ignored."""
+        if job.interrupted and not isinstance(end, Finished):
+            self._leave_unfinished(job)
+            return
         with self._lock:
             if self._jobs.get(job.id) is not job or job.ending:
                 return
@@ -322,6 +349,19 @@ class RunManager:
             return
         job.status = end.snapshot.status
         job.done.set_result(end.snapshot)
+
+    def _leave_unfinished(self, job: Job) -> None:
+        """Leave a run to the next service; requests that wait for it are refused as busy."""
+        with self._lock:
+            if self._jobs.get(job.id) is not job or job.ending:
+                return
+            job.ending = True
+            del self._jobs[job.id]
+        if job.announced:
+            record = record_of(replace(job.snapshot(), status="queued", progress=0.0))
+            self._writer.later(lambda: self._put(record, job.owners))
+        self._ended("interrupted", time.time() - job.created)
+        job.done.set_exception(Busy(Message("work.stopping")))
 
     def _keep(self, end: Ended) -> None:
         record, version = record_of(end.snapshot), engine_version()
