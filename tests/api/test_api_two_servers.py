@@ -32,6 +32,7 @@ def test_a_second_server_refuses_or_reads_and_fails_no_run_of_the_first(tmp_path
             RunStore(beside, 10**9).put(made_record("beside", created=0.0))
             assert [run["id"] for run in reader.get("/api/runs")["runs"]] == [long, "beside"]
             beside.close()
+            assert reader.get("/api/health/ready")["status"] == "ready"
             for method, path in (("DELETE", long), ("POST", f"{long}/cancel")):
                 with pytest.raises(ServiceError, match="another server") as refusal:
                     reader.request(method, f"/api/runs/{path}")

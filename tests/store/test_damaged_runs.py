@@ -5,7 +5,7 @@ from contextlib import closing
 
 import pytest
 
-from tests.api.conftest import service
+from tests.api.conftest import service, until
 from tests.runs.samples import spec, spec_data
 from tests.runs.test_manager import completed, numbers
 from thetascope.api.http.services import Services
@@ -43,6 +43,7 @@ def change(place: str, statement: str) -> None:
         connection.exec_driver_sql(statement)
 
 
+@pytest.mark.parametrize("place", ["sqlite"], indirect=True)
 def test_damaged_runs_are_errors_with_their_ids_and_are_computed_again(place, start):
     """A result, a summary and an experiment, one after the other; the numbers are the same bits afterwards."""
     runs = start()
@@ -80,13 +81,14 @@ def test_damaged_runs_are_errors_with_their_ids_and_are_computed_again(place, st
 
 def test_the_interface_lists_damaged_runs_and_names_them_in_problems(postgresql, tmp_path):
     """`damaged` in the list beside the others, and problem documents for the run and its data; on PostgreSQL."""
-    with service(tmp_path, database=postgresql, wait=60) as address, Client(address) as client:
-        hit, other = (client.post("/api/runs?wait=60", spec_data(seed=i))["id"] for i in (1, 2))
-    change(postgresql, f"UPDATE runs SET spec = replace(spec, '1', '2') WHERE id = '{hit}'")
-    change(postgresql, f"UPDATE results SET head = replace(head, '1', '2') WHERE id = '{other}'")
-    with service(tmp_path, database=postgresql, wait=60) as address, Client(address) as client:
+    with service(tmp_path / "absent", database=postgresql, wait=60, memory=1) as address, Client(address) as client:
+        hit, other, last = (client.post("/api/runs?wait=60", spec_data(seed=i))["id"] for i in (1, 2, 3))
+        assert client.get("/api/health/ready")["status"] == "ready"
+        until(lambda: client.health()["runs"]["results"] == 3)  # and only the last one is in memory
+        change(postgresql, f"UPDATE runs SET spec = replace(spec, '1', '2') WHERE id = '{hit}'")
+        change(postgresql, f"UPDATE results SET head = replace(head, '1', '2') WHERE id = '{other}'")
         listed = {run["id"]: run["status"] for run in client.get("/api/runs")["runs"]}
-        assert listed == {hit: "damaged", other: "done"}
+        assert listed == {hit: "damaged", other: "done", last: "done"}
         for path, name in ((hit, hit), (f"{other}/data", other)):
             with pytest.raises(ServiceError, match=f"run {name} is damaged") as error:
                 client.get(f"/api/runs/{path}")

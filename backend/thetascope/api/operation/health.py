@@ -41,7 +41,7 @@ async def live() -> Response:
 
 @router.get("/ready", response_model=Ready, responses={503: {"model": Ready}})
 async def ready(services: Use, language: Language) -> Response:
-    """Return whether the service accepts work: the store can be written, the disk has space, the queue has room."""
+    """Return whether the service accepts work: the store can be used, the disk has space, the queue has room."""
     checks, free = await run_in_threadpool(_checks, services, language)
     well = all(check["ok"] for check in checks)
     body = {"status": "ready" if well else "not ready", "checks": checks, "free": free}
@@ -57,16 +57,21 @@ async def metrics(request: Request) -> Response:
 
 def _checks(services: Services, language: str) -> tuple[list[dict[str, Any]], int]:
     """Return the conditions for accepting work, and the free bytes of the disk."""
-    free = shutil.disk_usage(services.settings.data).free
+    data = services.settings.data.absolute()
+    free = shutil.disk_usage(next(place for place in (data, *data.parents) if place.exists())).free
     active, room = services.runs.queue()
     try:
-        with services.database.writing():
-            stored = Message("health.store.writable")
-        writable = True
+        if services.database.read_only:
+            with services.database.reading():
+                stored = Message("health.store.readable")
+        else:
+            with services.database.writing():
+                stored = Message("health.store.writable")
+        usable = True
     except StoreError as error:
-        stored, writable = error.problem, False
+        stored, usable = error.problem, False
     return [
-        {"name": "store", "ok": writable, "detail": stored.text(language)},
+        {"name": "store", "ok": usable, "detail": stored.text(language)},
         {"name": "disk", "ok": free >= _LEAST_DISK, "detail": Message("health.disk", bytes=free).text(language)},
         {"name": "queue", "ok": active < room, "detail": Message("health.queue", n=active, room=room).text(language)},
     ], free
