@@ -2008,6 +2008,8 @@ export interface Run {
   created: string;
   /** Whether the run is kept when the store is full. */
   pinned: boolean;
+  /** Why the run could not be stored: it is in memory only. */
+  warning: string | null;
   links: {[name: string]: string};
 }
 

@@ -1,6 +1,7 @@
 """/api/runs over HTTP: starting, repeating, following and cancelling runs."""
 
 import json
+import sys
 
 import pytest
 
@@ -143,3 +144,24 @@ def test_a_run_during_which_the_service_ended_is_finished_by_the_next(tmp_path):
         assert client.get(run["links"]["self"])["status"] in ("queued", "running", "done")
         assert client.wait(run["id"])["status"] == "done"
         assert client.get(run["links"]["self"])["summary"]["rows"] > 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit on the size of files")
+def test_a_run_that_could_not_be_stored_says_so(tmp_path):
+    """On a full disk runs are computed and answered, with a warning that names the reason; later ones are stored."""
+    import resource
+
+    with process(tmp_path, wait=60) as (started, address), Client(address) as client:
+        assert posted(client, spec_data(seed=51))[2]["warning"] is None
+        until(lambda: client.health()["runs"]["results"] == 1)
+        unlimited = resource.prlimit(started.pid, resource.RLIMIT_FSIZE)
+        resource.prlimit(started.pid, resource.RLIMIT_FSIZE, (1, unlimited[1]))
+        status, _, run = posted(client, spec_data(seed=52))
+        assert (status, run["status"]) == (201, "done")
+        until(lambda: client.get(run["links"]["self"])["warning"])
+        for path, words in (("", "in memory only"), ("?lang=zh", "仅存于内存")):
+            assert words in client.get(run["links"]["self"] + path)["warning"]
+        assert "in memory only" in posted(client, spec_data(seed=53))[2]["warning"]
+        resource.prlimit(started.pid, resource.RLIMIT_FSIZE, unlimited)
+        assert posted(client, spec_data(seed=54))[2]["warning"] is None
+        until(lambda: client.health()["runs"]["results"] == 2)

@@ -20,6 +20,7 @@ export function downloads({run, chosen, foreign, ranWith}) {
   const spec = URL.createObjectURL(new Blob([JSON.stringify(run.spec, null, 1)], {type: 'application/json'}));
   const seconds = Object.values(run.summary?.seconds ?? {}).reduce((sum, one) => sum + one, 0);
   return [
+    run.warning && h('p', {class: 'alarm small', role: 'status'}, run.warning),
     h(
       'p',
       {class: 'links'},

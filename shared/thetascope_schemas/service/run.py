@@ -235,4 +235,5 @@ class Run(Strict):
     problem: Problem | None = Field(default=None, description="Set when the run has failed.")
     created: datetime
     pinned: bool = Field(default=False, description="Whether the run is kept when the store is full.")
+    warning: str | None = Field(default=None, description="Why the run could not be stored: it is in memory only.")
     links: dict[str, str] = Field(default_factory=dict)

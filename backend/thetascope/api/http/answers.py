@@ -46,6 +46,7 @@ def run_response(snapshot: Snapshot, language: str, status: int = 200) -> Respon
         problem=snapshot.problem and in_language(snapshot.problem, language),
         created=_time(snapshot.created),
         pinned=snapshot.pinned,
+        warning=snapshot.not_stored and Message("run.not-stored", reason=snapshot.not_stored).text(language),
         links=links,
     )
     return Response(encode(run, language), status, {"Location": links["self"]}, "application/json")

@@ -60,7 +60,7 @@ async def create_run(request: Request, services: Use, language: Language, wait: 
     try:
         future = asyncio.wrap_future(started.done)
         if await first_of(request, future, settings.wait if wait is None else min(wait, settings.max_wait)):
-            return run_response(future.result(), language, 201)
+            return run_response(await run_in_threadpool(services.runs.written, future.result()), language, 201)
         await run_in_threadpool(services.runs.announce, started)
     finally:
         await run_in_threadpool(services.runs.leave, started)

@@ -8,6 +8,7 @@ from threading import Event
 from typing import Any, Self
 
 from thetascope.engine.model.result import Result
+from thetascope.messages import Message
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.service.run import Problem, RunSummary, Status
 
@@ -17,7 +18,7 @@ class Snapshot:
     """A run at one moment.
 
     `spec` is the experiment as posted, `created` is Unix time. `owners` are those who asked for it; None: the store
-    has them.
+    has them. `not_stored` is the reason why the run is in memory only.
     """
 
     id: str
@@ -29,11 +30,21 @@ class Snapshot:
     problem: Problem | None = None
     pinned: bool = False
     owners: frozenset[str] | None = None
+    not_stored: Message | None = None
 
     @property
     def active(self) -> bool:
         """Return whether the run is queued or running."""
         return self.status in ("queued", "running")
+
+    def why_ended(self) -> Message:
+        """Return why the run has no result: it was cancelled, or it failed."""
+        document = self.problem
+        if document is None:
+            return Message("run.cancelled")
+        first = document.errors[0] if document.errors else document
+        reason = Message.from_data({"code": first.code, "args": first.args}) if first.code else document.detail
+        return Message("run.failed", reason=reason)
 
 
 @dataclass(eq=False)

@@ -24,7 +24,7 @@ from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotOwner, NotReady
 from thetascope.runs.specs.resolve_spec import resolved
 from thetascope.runs.workers.pool import Workers
 from thetascope.settings import Settings
-from thetascope.store import Damaged, Record, RunStore
+from thetascope.store import Damaged, Record, RunStore, StoreError
 from thetascope_schemas.experiment.experiment import Experiment
 
 log = logging.getLogger(__name__)
@@ -58,6 +58,7 @@ class RunManager:
         self._jobs: dict[str, Job] = {}
         self._lock = Lock()
         self._writer = Writer()
+        self._not_stored: dict[str, Message] = {}  # id → why it is in memory only
         self._execution = Execution(settings, workers, self._end)
 
     def resume(self) -> None:
@@ -142,7 +143,8 @@ class RunManager:
             near = self._store.ids(id[:6]) if len(id) >= 4 else []
             remedy = Message("suggest.near", names=near) if near else None
             raise Unknown(Message("run.unknown", id=id[:64]), remedy)
-        return snapshot
+        reason = self._not_stored.get(id)
+        return snapshot if reason is None else replace(snapshot, not_stored=reason)
 
     def job(self, id: str) -> Job | None:
         """Return the run's job while it is active."""
@@ -160,7 +162,7 @@ class RunManager:
         """
         snapshot = self.get(id)
         if snapshot.status in ("failed", "cancelled"):
-            raise NotReady(_why_ended(snapshot))
+            raise NotReady(snapshot.why_ended())
         job = self._jobs.get(id)
         if job is not None:
             return job
@@ -243,6 +245,16 @@ class RunManager:
     def queue(self) -> tuple[int, int]:
         """Return the number of active runs, and how many there may be."""
         return len(self._jobs), self._room
+
+    def written(self, snapshot: Snapshot) -> Snapshot:
+        """Return a run that has ended; where the store fails, after the attempt to write it.
+
+        Waiting for the disk after every run would make all of them slower.
+        """
+        if not self._writer.fails:
+            return snapshot
+        self._writer.now(lambda: None)
+        return replace(snapshot, not_stored=self._not_stored.get(snapshot.id))
 
     @property
     def not_stored(self) -> int:
@@ -368,18 +380,13 @@ class RunManager:
         result = end.result if isinstance(end, Finished) else None
 
         def write() -> None:
-            self._put(record, end.snapshot.owners or frozenset())
-            if result is not None:
-                self._store.put_result(record.id, version, result)
+            self._not_stored.pop(record.id, None)
+            try:
+                self._put(record, end.snapshot.owners or frozenset())
+                if result is not None:
+                    self._store.put_result(record.id, version, result)
+            except StoreError as error:
+                self._not_stored[record.id] = error.problem
+                raise
 
         self._writer.later(write)
-
-
-def _why_ended(snapshot: Snapshot) -> Message:
-    """Return why a run has no result: it was cancelled, or it failed."""
-    document = snapshot.problem
-    if document is None:
-        return Message("run.cancelled")
-    first = document.errors[0] if document.errors else document
-    reason = Message.from_data({"code": first.code, "args": first.args}) if first.code else document.detail
-    return Message("run.failed", reason=reason)

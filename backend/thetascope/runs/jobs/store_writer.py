@@ -23,6 +23,8 @@ class Writer:
         self._room = BoundedSemaphore(_WAITING)
         self.failures = 0
         """Queued writes that failed."""
+        self.fails = False
+        """Whether the last queued write failed."""
 
     def later(self, write: Callable[[], object]) -> None:
         """Queue a write. A failure is logged: the run stays in memory and can be recomputed."""
@@ -44,7 +46,9 @@ class Writer:
     def _quietly(self, write: Callable[[], object]) -> None:
         try:
             write()
+            self.fails = False
         except StoreError as error:
+            self.fails = True
             self.failures += 1
             log.error("A run was not stored. %s", error)
         finally:
