@@ -5,7 +5,7 @@ Names and versions come from requirements.txt, licences from the metadata of the
 
 import re
 import sys
-from importlib.metadata import metadata
+from importlib.metadata import PackageNotFoundError, metadata
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -22,7 +22,12 @@ def pinned() -> dict[str, str]:
 
 def licence(package: str) -> str:
     """Return the licence of an installed package: its SPDX expression, its classifiers, or its own short name."""
-    data = metadata(package)
+    try:
+        data = metadata(package)
+    except PackageNotFoundError:  # of another system: as it was written there
+        return dict(re.findall(r"^\| (\S+) \| \S+ \| (.+) \|$", FILE.read_text(encoding="utf-8"), re.MULTILINE))[
+            package
+        ]
     classified = [
         name.removeprefix(_CLASSIFIER) for name in data.get_all("Classifier", []) if name.startswith(_CLASSIFIER)
     ]

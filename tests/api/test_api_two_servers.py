@@ -36,6 +36,6 @@ def test_a_second_server_refuses_or_reads_and_fails_no_run_of_the_first(tmp_path
             for method, path in (("DELETE", long), ("POST", f"{long}/cancel")):
                 with pytest.raises(ServiceError, match="another server") as refusal:
                     reader.request(method, f"/api/runs/{path}")
-                assert refusal.value.status == 409
+                assert refusal.value.status == 403
         assert client.get(f"/api/runs/{long}/progress")["status"] in ("queued", "running")
         client.cancel(long)

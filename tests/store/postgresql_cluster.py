@@ -23,7 +23,7 @@ def cluster() -> Iterator[str]:
     if programs is None:
         pytest.skip("PostgreSQL is not installed (Debian's package postgresql)")
     user = _unprivileged()
-    with tempfile.TemporaryDirectory(prefix="pg-") as name:
+    with tempfile.TemporaryDirectory(prefix="pg-", dir="/tmp") as name:
         folder = Path(name)
         rights = {}
         if user is not None:

@@ -87,8 +87,10 @@ class SQLite:
             return Message("store.locked", **args)
         if "unable to open" in detail or "readonly" in detail:
             return Message("store.read-only", **args)
-        if "full" in detail or "disk I/O error" in detail:
+        if "full" in detail:
             return Message("store.disk-full", **args)
+        if "disk I/O error" in detail:
+            return Message("store.disk-error", **args)
         return Message("store.damaged", **args)
 
     def _connect(self) -> sqlite3.Connection:

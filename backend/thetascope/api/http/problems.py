@@ -139,7 +139,7 @@ def methods_of(request: Request) -> list[str]:
 
 async def _store(request: Request, error: StoreError) -> Response:
     log.error("%s", error)
-    status = 409 if error.problem.code == "store.joined" else 500 if isinstance(error, Damaged) else 503
+    status = 403 if error.problem.code == "store.joined" else 500 if isinstance(error, Damaged) else 503
     return problem_response(problem(status, error.problem, language=language_of(request)))
 
 

@@ -205,7 +205,7 @@ class RunManager:
                 self._cancel(job)
         snapshot = self.get(id)
         if job is None and snapshot.active and self._store.read_only:
-            raise NotReady(Message("run.elsewhere", id=id))
+            raise NotOwner(Message("run.elsewhere", id=id))
         return snapshot
 
     def remove(self, id: str, by: Principal = LOCAL) -> bool:
