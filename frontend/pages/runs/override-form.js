@@ -5,8 +5,8 @@ import {asTyped, value} from './address.js';
 import {fill, h, symbol} from '../../common/dom.js';
 import {original, formField} from './run-state.js';
 import {explained} from '../../common/problem.js';
-import {perRoot} from '../../widgets/truth-differences.js';
-import {named, t} from '../../i18n/words.js';
+import {truthDetails} from './truth-fields.js';
+import {t} from '../../i18n/words.js';
 
 /** @import {RunActions, RunState, RunStore} from '../types.js' */
 /** @import {Child} from '../../types/dom.js' */
@@ -80,52 +80,12 @@ export function createForm(store, act) {
     return h('div', {class: 'field'}, h('label', {for: id}, label), input, error);
   }
 
-  /** The fields of the truth, folded away; those that are empty are as in the model. */
+  /** The fields of the truth, unfolded where the changes set one. */
   function truthFields() {
     const {plant, changes} = store.state;
     if (!plant) return null;
-    /** @param {Child} legend @param {Child[]} children */
-    const group = (legend, children) => children.length > 0 && h('fieldset', {}, h('legend', {}, legend), children);
-    /** @param {string} output */
-    const sensor = (output) => [
-      ...['correlation', 'period', 'missing', 'jitter'].map((name) =>
-        field(`truth.outputs.${output}.${name}`, t(`page.truth.sensor.${name}`), t(`page.truth.sensor-hint.${name}`)),
-      ),
-      field(`truth.outputs.${output}.adds`, [symbol(output), ' +'], t('page.truth.sensor-hint.adds'), true),
-    ];
     const open = reality?.open ?? false;
-    reality = h(
-      'details',
-      {class: 'more'},
-      h('summary', {}, t('page.runs.reality')),
-      h('p', {class: 'soft'}, t('page.runs.reality.hint')),
-      h(
-        'div',
-        {class: 'gains reality-fields'},
-        group(t('page.truth.parameters'), [
-          field('truth.deviation', t('page.runs.deviation'), t('page.inject.model-hint')),
-          ...plant.parameters.map(({name, description, unit}) =>
-            field(`truth.parameters.${name}`, symbol(name), [named(description), unit].filter(Boolean).join(', ')),
-          ),
-        ]),
-        group(
-          t('page.truth.process-noise'),
-          plant.states.map(({name, unit}) => field(`truth.process_noise.${name}`, symbol(name), perRoot(unit))),
-        ),
-        plant.outputs.map(({name}) => group([t('page.runs.sensor'), ' ', symbol(name)], sensor(name))),
-        group(
-          t('page.truth.dynamics'),
-          plant.states.map(({name}) =>
-            field(
-              `truth.dynamics.${name}`,
-              [symbol(name), plant.time.kind === 'discrete' ? '⁺ +' : '′ +'],
-              t('page.truth.dynamics.hint'),
-              true,
-            ),
-          ),
-        ),
-      ),
-    );
+    reality = truthDetails(plant, field);
     reality.open = open || Object.keys(changes).some((path) => path.startsWith('truth.') && fields.has(path));
     return reality;
   }

@@ -144,6 +144,7 @@ def test_further_states_act_after_a_new_start(tab):
     live.keyboard.press("Tab")
     write(live, "Name of further state 1", "sag")
     write(live, "Initial value of further state 1", "2")
+    write(live, "Process noise of further state 1", "0.1")
     assert live.evaluate(SUMMARY).startswith("draft, not acting yet") and live.evaluate(f"{TRUTH}.states") == []
     live.click("text=Start again with this reality")
     until(live, "document.querySelector('.truth-state .refused:not(:empty)')")
@@ -152,8 +153,8 @@ def test_further_states_act_after_a_new_start(tab):
     write(live, "Equation of further state 1", "-sag/3")
     live.click("text=Start again with this reality")
     until(live, f"{APP}.state.session !== '{first}' && {APP}.state.facts")
-    assert live.evaluate(f"[{APP}.state.faults.length, {APP}.state.spec.truth.states[0].name]") == [5, "sag"]
-    until(live, f"{APP}.latest('x.sag') === 2 && {SUMMARY}.startsWith('1 difference')")
+    assert live.evaluate(f"[{APP}.state.faults.length, {APP}.state.spec.truth.process_noise.sag]") == [5, 0.1]
+    until(live, f"{APP}.latest('x.sag') === 2 && {SUMMARY}.startsWith('2 differences')")
     assert live.evaluate("document.activeElement.closest('#panel-truth') !== null")
     write(live, "Expression added to the equation of speed of the shaft", "sag")
     until(live, f"{TRUTH}.dynamics.speed === 'sag'")
@@ -161,7 +162,7 @@ def test_further_states_act_after_a_new_start(tab):
     live.click("text=Back to the model")
     until(live, f"{APP}.state.session !== '{second}' && {APP}.state.facts && {SUMMARY} === 'as the model'")
     live.click("#notice button")
-    until(live, f"{APP}.state.session === '{second}' && {APP}.state.facts && {SUMMARY}.startsWith('2 differences')")
+    until(live, f"{APP}.state.session === '{second}' && {APP}.state.facts && {SUMMARY}.startsWith('3 differences')")
 
 
 def test_who_watches_sees_the_truth_and_cannot_change_it(tab, page):

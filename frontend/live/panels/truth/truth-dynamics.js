@@ -2,15 +2,14 @@
 
 import {fill, h, symbol} from '../../../common/dom.js';
 import {called} from '../../../common/names.js';
-import {icon} from '../../../widgets/svg.js';
 import {named, t} from '../../../i18n/words.js';
 import * as edits from './truth-edits.js';
+import {stateRows} from './further-state.js';
 import {section, textRow} from './truth-rows.js';
 
 /** @import {Context, Section} from './truth-sections.js' */
 /** @import {Row} from './truth-rows.js' */
 /** @import {Truth} from './truth-edits.js' */
-/** @import * as service from '../../../types/service.js' */
 
 /**
  * @param {Context} context
@@ -19,17 +18,7 @@ import {section, textRow} from './truth-rows.js';
 export function dynamicsSection(context) {
   const {app, plant, change, shown} = context;
   const prime = plant.time.kind === 'discrete' ? '⁺' : '′';
-  const added = plant.states.map(({name, description}) =>
-    textRow({
-      path: `dynamics.${name}`,
-      label: [symbol(name), `${prime} +`],
-      name: t('page.truth.added-to', {name: called(name, plant)}),
-      hint: named(description),
-      placeholder: t('page.truth.nothing'),
-      value: (truth) => truth.dynamics[name] ?? '',
-      change: (text) => change(`dynamics.${name}`, edits.setDynamics(name, text)),
-    }),
-  );
+  const added = addedRows(context, prime);
   /** @type {Row[]} */
   const rows = [...added];
   const list = h('div', {class: 'truth-states'});
@@ -67,7 +56,8 @@ export function dynamicsSection(context) {
     [h('p', {class: 'soft'}, t('page.truth.dynamics.hint')), added.map((row) => row.element), list, more],
     (truth) =>
       truth.states.length +
-      Object.keys(truth.dynamics).filter((name) => !truth.states.some((state) => state.name === name)).length,
+      truth.states.filter(({name}) => (truth.process_noise[name] ?? 0) > 0).length +
+      plant.states.filter(({name}) => name in truth.dynamics).length,
   );
   return {
     element,
@@ -81,86 +71,21 @@ export function dynamicsSection(context) {
 }
 
 /**
- * The rows of one further state: its name, where it starts, its unit and its equation.
+ * A row for each state of the plant: the expression that is added to its equation.
  * @param {Context} context
- * @param {number} place   among the further states
  * @param {string} prime
+ * @returns {Row[]}
  */
-function stateRows({change, shown}, place, prime) {
-  const n = place + 1;
-  /** @param {Truth} truth */
-  const state = (truth) => truth.states[place] ?? {name: '', initial: 0, unit: ''};
-  const name = () => state(shown()).name;
-  /** @param {Partial<service.TrueState>} values */
-  const set = (values) => change(`states.${place}`, edits.changeState(name(), values));
-  const rename = textRow({
-    path: `states.${place}.name`,
-    label: t('page.truth.state.name'),
-    name: t('page.truth.state-of.name', {n}),
-    value: (truth) => state(truth).name,
-    change(text) {
-      const next = text.trim();
-      const {states, dynamics} = shown();
-      if (next === name()) return undefined;
-      if (next === '') return {code: 'page.truth.name-missing', args: {}};
-      if (next in dynamics || states.some((one) => one.name === next))
-        return {code: 'page.truth.name-taken', args: {name: next}};
-      return set({name: next});
-    },
-  });
-  const initial = textRow({
-    path: `states.${place}.initial`,
-    label: t('page.truth.state.initial'),
-    name: t('page.truth.state-of.initial', {n}),
-    value: (truth) => String(state(truth).initial),
-    change(text) {
-      const value = Number(text.trim().replace(',', '.').replace('−', '-'));
-      if (text.trim() === '' || !Number.isFinite(value)) return {code: 'page.truth.not-a-number', args: {}};
-      return set({initial: value});
-    },
-  });
-  const unit = textRow({
-    path: `states.${place}.unit`,
-    label: t('page.truth.state.unit'),
-    name: t('page.truth.state-of.unit', {n}),
-    value: (truth) => state(truth).unit,
-    change: (text) => set({unit: text.trim()}),
-  });
-  const left = h('span', {});
-  const equation = textRow({
-    path: '',
-    label: left,
-    name: t('page.truth.state-of.equation', {n}),
-    value(truth) {
-      fill(left, symbol(state(truth).name), `${prime} =`);
-      return truth.dynamics[state(truth).name] ?? '';
-    },
-    change: (text) => change(`dynamics.${name()}`, edits.setDynamics(name(), text)),
-  });
-  const remove = h(
-    'button',
-    {
-      type: 'button',
-      class: 'plain control-only',
-      'aria-label': t('page.truth.remove-state', {n}),
-      title: t('page.truth.remove-state', {n}),
-      onclick: () => change(`states.${place}`, edits.removeState(name())),
-    },
-    icon('close', 12),
+function addedRows({plant, change}, prime) {
+  return plant.states.map(({name, description}) =>
+    textRow({
+      path: `dynamics.${name}`,
+      label: [symbol(name), `${prime} +`],
+      name: t('page.truth.added-to', {name: called(name, plant)}),
+      hint: named(description),
+      placeholder: t('page.truth.nothing'),
+      value: (truth) => truth.dynamics[name] ?? '',
+      change: (text) => change(`dynamics.${name}`, edits.setDynamics(name, text)),
+    }),
   );
-  const named = {
-    ...equation,
-    get path() {
-      return `dynamics.${name()}`;
-    },
-  };
-  return {
-    rows: [rename, initial, unit, named],
-    element: h(
-      'div',
-      {class: 'truth-state', role: 'group', 'aria-label': t('page.truth.state', {n})},
-      h('div', {class: 'truth-own'}, rename.element, initial.element, unit.element, remove),
-      equation.element,
-    ),
-  };
 }

@@ -120,7 +120,7 @@ export function noiseSection({app, plant, spec, change}) {
     t('page.truth.process-noise'),
     rows,
     [h('p', {class: 'soft'}, t('page.truth.process-noise.hint')), rows.map((row) => row.element)],
-    (truth) => Object.values(truth.process_noise).filter((std) => std > 0).length,
+    (truth) => plant.states.filter(({name}) => (truth.process_noise[name] ?? 0) > 0).length,
   );
 }
 
