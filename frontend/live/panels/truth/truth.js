@@ -185,7 +185,8 @@ class TruthPanel {
     row.fail(error);
     const fold = row.element.closest('details');
     if (fold) fold.open = true;
-    return row.focus();
+    row.focus();
+    return row.element.scrollIntoView({block: 'nearest'}); // with the words of the refusal
   }
 
   forget() {
