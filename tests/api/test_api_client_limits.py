@@ -57,9 +57,9 @@ def test_each_limit_refuses_one_more(tmp_path):
 
 
 def test_processor_time_of_computations_is_limited(tmp_path):
-    """A client that has used its share within a minute waits; stored runs are still answered."""
+    """A client that has used its share within a minute waits; stored results are still answered, dropped ones not."""
     with (
-        service(tmp_path, host="0.0.0.0", key=KEY, client_cpu=0.01, wait=60) as address,
+        service(tmp_path, host="0.0.0.0", key=KEY, client_cpu=0.01, wait=60, memory=1, store_limit=150_000) as address,
         Client(address, key=KEY) as client,
     ):
         run = client.run(spec_data())
@@ -74,4 +74,8 @@ def test_processor_time_of_computations_is_limited(tmp_path):
             client.check(plant)
         assert 0 < refusal.value.problem["args"]["limit"] <= refusal.value.problem["args"]["used"]
         assert client.get(run["links"]["self"])["status"] == "done"
-        assert client.post("/api/plants/check", plant, headers=ANOTHER)
+        assert client.get(f"{run['links']['data']}?format=json")["columns"]
+        assert client.post("/api/runs", spec_data(seed=3), headers=ANOTHER)["id"]
+        dropped = f"{run['links']['data']}?format=json"
+        assert refused(lambda: client.get(dropped)).problem["code"] == "client.cpu"
+        assert client.request("GET", dropped, headers={"X-Forwarded-For": "10.0.0.3"})[0] == 200

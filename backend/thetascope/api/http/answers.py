@@ -6,9 +6,11 @@ from datetime import UTC, datetime
 from typing import TypeVar
 
 import orjson
+from fastapi import Request
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
+from thetascope.api.http.computed import check_cpu, client_of
 from thetascope.api.http.services import Services
 from thetascope.live.wire.localize import encode
 from thetascope.messages import Message
@@ -92,14 +94,19 @@ async def ended(job: Job, seconds: float) -> Snapshot | None:
     return future.result() if done else None
 
 
-async def from_result(services: Services, id: str, make: Callable[[Finished], Value]) -> Value:
+async def from_result(request: Request, services: Services, id: str, make: Callable[[Finished], Value]) -> Value:
     """Return the value that `make` builds from a run and its result in a worker thread; recompute a dropped result.
 
-    Raises Unknown, or NotReady if the run failed or does not end within the time that a request may wait.
+    Raises Unknown, OverLimit if it must be recomputed for a client that has used too much processor time, or NotReady
+    if the run failed or does not end within the time that a request may wait.
     """
 
+    def client() -> str:
+        check_cpu(request, services)
+        return client_of(request)
+
     def attempt() -> Value | Job:
-        run = services.runs.finished(id)
+        run = services.runs.finished(id, client)
         return run if isinstance(run, Job) else make(run)
 
     answer = await run_in_threadpool(attempt)

@@ -33,7 +33,7 @@ REPORT_POLICY = (
 Names = Annotated[str | None, Query(description="Columns, separated by commas; `*` matches any text.", max_length=8000)]
 
 
-@router.get("/data", response_model=None, responses=documented(404, 409, 422))
+@router.get("/data", response_model=None, responses=documented(404, 409, 422, 429))
 async def get_data(
     request: Request,
     id: str,
@@ -64,11 +64,11 @@ async def get_data(
         headers["Content-Disposition"] = f'attachment; filename="{filename}"'
         return _written(table, format, encoding, headers)
 
-    return await from_result(services, id, make)
+    return await from_result(request, services, id, make)
 
 
-@router.get("/comparison", response_model=Comparison, responses=documented(404, 409))
-async def get_comparison(id: str, services: Use, format: Literal["csv", "json"] = "json") -> Response:
+@router.get("/comparison", response_model=Comparison, responses=documented(404, 409, 429))
+async def get_comparison(request: Request, id: str, services: Use, format: Literal["csv", "json"] = "json") -> Response:
     """Compare the observers on the same data: errors between fault events, settling, faults found and missed, cost.
 
     The CSV has one measure per line. The cost is measured each time the run is computed; all other values are
@@ -82,11 +82,11 @@ async def get_comparison(id: str, services: Use, format: Literal["csv", "json"] 
         content = found.model_dump_json() if format == "json" else comparison_csv(found, plant_of(spec.plant))
         return Response(content, 200, {"Content-Disposition": name, "Cache-Control": "no-cache"}, MEDIA_TYPES[format])
 
-    return await from_result(services, id, make)
+    return await from_result(request, services, id, make)
 
 
-@router.get("/figures", response_model=FigureList, responses=documented(404, 409))
-async def list_figures(id: str, services: Use, language: Language) -> Response:
+@router.get("/figures", response_model=FigureList, responses=documented(404, 409, 429))
+async def list_figures(request: Request, id: str, services: Use, language: Language) -> Response:
     """Return the available figures of this run: name, title and address."""
     from thetascope import figures
 
@@ -95,12 +95,12 @@ async def list_figures(id: str, services: Use, language: Language) -> Response:
         base = run_links(id)["figures"]
         return json_response({"figures": [{**entry, "href": f"{base}/{entry['name']}"} for entry in entries]})
 
-    return await from_result(services, id, make)
+    return await from_result(request, services, id, make)
 
 
-@router.get("/figures/{name}", response_model=PlotlyFigure, responses=documented(404, 409))
+@router.get("/figures/{name}", response_model=PlotlyFigure, responses=documented(404, 409, 429))
 async def get_figure(
-    id: str, name: str, services: Use, language: Language, theme: Literal["light", "dark"] = "light"
+    request: Request, id: str, name: str, services: Use, language: Language, theme: Literal["light", "dark"] = "light"
 ) -> Response:
     """Return one figure as Plotly's JSON: `{"data": […], "layout": {…}}`, arrays as base64 (`bdata`)."""
     from thetascope import figures
@@ -113,11 +113,12 @@ async def get_figure(
             hint = Message.from_data(suggestion(name[:80], error.names))
             raise Unknown(Message("figure.unknown", name=name[:80]), hint) from None
 
-    return await from_result(services, id, make)
+    return await from_result(request, services, id, make)
 
 
-@router.get("/report", response_model=None, responses=documented(404, 409))
+@router.get("/report", response_model=None, responses=documented(404, 409, 429))
 async def get_report(
+    request: Request,
     id: str,
     services: Use,
     language: Language,
@@ -133,7 +134,7 @@ async def get_report(
         }
         return Response(report_html(finished, None, language), 200, headers, "text/html; charset=utf-8")
 
-    return await from_result(services, id, make)
+    return await from_result(request, services, id, make)
 
 
 def _written(table: Table, format: str, encoding: str, headers: dict[str, str]) -> Response:

@@ -80,7 +80,12 @@ class RunManager:
             return False
 
     def submit(
-        self, spec: Experiment, by: Principal | None = None, most: int | None = None, announced: bool = False
+        self,
+        spec: Experiment,
+        by: Principal | None = None,
+        most: int | None = None,
+        client: str = "",
+        announced: bool = False,
     ) -> Snapshot | Job:
         """Return the run of a spec: a snapshot if it has a result, else the job that computes it.
 
@@ -88,6 +93,7 @@ class RunManager:
             spec: the experiment.
             by: who asks for it, and then owns it, too; None: nobody, it is computed again for its owners.
             most: the number of runs of the client that may wait or run.
+            client: whose turn it takes if nobody asks for it.
             announced: no request waits for it, and the store has it.
 
         Raises:
@@ -97,7 +103,7 @@ class RunManager:
         """
         complete = resolved(spec)
         id = complete.spec_hash()
-        known, client = self._readable(id), by.client if by else ""
+        known, client = self._readable(id), by.client if by else client
         owners = self._owners(id) if known is not None else frozenset()
         if known is not None and self._has_result(known):
             self._share(id, owners, by)
@@ -155,8 +161,10 @@ class RunManager:
         active = sorted((job.snapshot() for job in list(self._jobs.values())), key=lambda run: -run.created)
         return active, self._store.page(limit, offset)
 
-    def finished(self, id: str) -> Finished | Job:
+    def finished(self, id: str, client: Callable[[], str] = lambda: "") -> Finished | Job:
         """Return the run with its result, or the job that computes it (again, if the store has dropped it).
+
+        `client` returns who waits, or refuses by an exception; it is called only if the run is computed again.
 
         Raises :class:`Unknown`, or :class:`NotReady` for a run that failed or was cancelled.
         """
@@ -174,7 +182,7 @@ class RunManager:
             entry = Finished(snapshot, result)
             self._memory.put(entry)
             return entry
-        again = self.submit(snapshot.spec)
+        again = self.submit(snapshot.spec, client=client())
         return again if isinstance(again, Job) else self.finished(again.id)
 
     def announce(self, job: Job) -> None:
