@@ -39,13 +39,13 @@ def rows_one_by_one(database: Database, limit: int | None = None, offset: int = 
             failure = error
     if failure is not None and not created:
         raise failure
-    order = sorted(created, key=lambda id: (-created[id], id))
+    order = sorted(created, key=lambda id: (-created[id], str(id)))
     for id in order[offset : None if limit is None else offset + limit]:
         yield _row(database, id, created[id])
 
 
 def _row(database: Database, id: str, created: float) -> Any:
-    with suppress(StoreError), database.reading() as connection:
+    with suppress(StoreError, UnicodeError), database.reading() as connection:
         row = connection.execute(select(RUNS).where(RUNS.c.id == id)).one_or_none()
         if row is not None:
             return row

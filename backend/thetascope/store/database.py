@@ -35,9 +35,13 @@ class Database:
         self._engines = {name: self.backend.engine(name == "write") for name in ("read", "write")}
         self._held: dict[str, Connection] = {}
         self._owned = False
-        with self._explained():
-            self.backend.prepare()
-        self._migrate()
+        try:
+            with self._explained():
+                self.backend.prepare()
+            self._migrate()
+        except BaseException:
+            self.close()
+            raise
 
     @classmethod
     def for_service(cls, place: Path | str, read_only: bool) -> "Database":

@@ -3,7 +3,8 @@
 import json
 import logging
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any, get_args
 
@@ -105,6 +106,7 @@ class RunStore:
     def __init__(self, database: Database, limit: int) -> None:
         self._database = database
         self._limit = limit
+        self._lost: set[tuple[str, str]] = set()  # damaged results that could not be removed
 
     @property
     def read_only(self) -> bool:
@@ -132,7 +134,7 @@ class RunStore:
 
     def get(self, id: str) -> Record | None:
         """Return a run with its spec, or None if there is no such run. Raises Damaged if its spec is damaged."""
-        with self._database.reading() as connection:
+        with _naming(id), self._database.reading() as connection:
             row = connection.execute(_GET, {"id": id}).one_or_none()
         if row is None:
             return None
@@ -205,6 +207,7 @@ class RunStore:
         with self._database.writing() as connection:
             connection.execute(_PUT_RESULT[connection.dialect.name], {"id": id, "engine": engine, **row})
             self._evict(connection)
+        self._lost.discard((id, engine))
         return True
 
     def get_result(self, id: str, engine: str) -> Result | None:
@@ -212,8 +215,14 @@ class RunStore:
 
         Raises Damaged for a result without its checksum, which is removed so that it is computed again.
         """
-        with self._database.reading() as connection:
-            row = connection.execute(_GET_RESULT, {"id": id, "engine": engine}).one_or_none()
+        if (id, engine) in self._lost:
+            return None
+        try:
+            with _naming(id), self._database.reading() as connection:
+                row = connection.execute(_GET_RESULT, {"id": id, "engine": engine}).one_or_none()
+        except Damaged:
+            self._drop(id, engine)
+            raise
         if row is None:
             return None
         if not has_result(row):
@@ -221,28 +230,41 @@ class RunStore:
             raise Damaged(Message("store.result-damaged", id=id[:64]))
         now = time.time()
         if not self.read_only and not (isinstance(row.used, float) and 0 <= now - row.used <= _TOUCH_SECONDS):
-            with self._database.writing() as connection:
+            with suppress(StoreError), self._database.writing() as connection:  # a full disk does not prevent reading
                 connection.execute(update(RESULTS).where(_result(id, engine)).values(used=now))
         return decode(row.head, row.data, row.rows)
 
     def has_result(self, id: str, engine: str) -> bool:
         """Return whether the run has a result that this version of the engine computed."""
-        with self._database.reading() as connection:
+        if (id, engine) in self._lost:
+            return False
+        with _naming(id), self._database.reading() as connection:
             return connection.execute(_HAS_RESULT, {"id": id, "engine": engine}).one_or_none() is not None
 
     def usage(self) -> dict[str, int]:
-        """Return the number of stored runs and results, and the bytes of the results with their limit."""
-        with self._database.reading() as connection:
-            runs = connection.execute(_COUNT).scalar_one()
-            results, size = connection.execute(_SUMS).one()
+        """Return the number of stored runs and results, and the bytes of the results with their limit.
+
+        What a damaged store cannot count is -1.
+        """
+        runs = results = size = -1
+        try:
+            with self._database.reading() as connection:
+                runs = connection.execute(_COUNT).scalar_one()
+                results, size = connection.execute(_SUMS).one()
+        except StoreError as error:
+            if error.problem.code != "store.damaged":
+                raise
+            log.error("%s", error)
         return {"runs": runs, "results": results, "bytes": int(size), "limit": self._limit}
 
     def _drop(self, id: str, engine: str) -> None:
-        """Remove a damaged result, if the store can be written."""
+        """Remove a damaged result; where the store cannot be written, count it as absent."""
         log.error("%s", Message("store.result-damaged", id=id))
+        self._lost.add((id, engine))
         try:
             with self._database.writing() as connection:
                 connection.execute(delete(RESULTS).where(_result(id, engine)))
+            self._lost.discard((id, engine))
         except StoreError as error:
             log.error("%s", error)
 
@@ -258,6 +280,17 @@ class RunStore:
                 break
             connection.execute(delete(RESULTS).where(_result(id, engine)))
             excess -= size
+
+
+@contextmanager
+def _naming(id: str) -> Iterator[None]:
+    """Turn an error of a damaged file into one that names the run."""
+    try:
+        yield
+    except StoreError as error:
+        if error.problem.code != "store.damaged":
+            raise
+        raise Damaged(Message("store.run-unreadable", id=id[:64], **error.problem.args)) from error
 
 
 def _result(id: str, engine: str):

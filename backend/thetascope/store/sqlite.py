@@ -11,6 +11,13 @@ from thetascope.messages import Message
 from thetascope.store.errors import StoreError
 from thetascope.store.owner_file import OwnerFile
 
+_SETTINGS = (
+    "page_size = 8192",  # applies to a new file; results are megabytes
+    "auto_vacuum = INCREMENTAL",
+    "journal_mode = WAL",
+    "synchronous = NORMAL",
+)
+
 
 class SQLite:
     """How a file is opened, and what its errors mean.
@@ -99,11 +106,12 @@ class SQLite:
             uri, timeout=self._timeout, isolation_level=None, check_same_thread=False, cached_statements=64, uri=True
         )
         connection.text_factory = _text
-        if not self._read_only:
-            connection.execute("PRAGMA page_size = 8192")  # applies to a new file; results are megabytes
-            connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
-            connection.execute("PRAGMA journal_mode = WAL")
-            connection.execute("PRAGMA synchronous = NORMAL")
+        try:
+            for setting in () if self._read_only else _SETTINGS:
+                connection.execute(f"PRAGMA {setting}")
+        except BaseException:
+            connection.close()
+            raise
         return connection
 
 
