@@ -139,3 +139,14 @@ def test_a_result_that_is_computed_again_keeps_its_owners(start):
     if isinstance(again, Job):
         again.done.result(SECONDS)
     assert runs._owners(id) == {ANN.owner}
+
+
+def test_a_damaged_run_that_is_computed_again_keeps_its_owners(start):
+    """Eve asks for Ann's run after its row was damaged: she owns a share, no more."""
+    runs = start()
+    id = asked(runs, spec(), ANN)
+    runs = start()
+    with runs._store._database.writing() as connection:
+        connection.exec_driver_sql("UPDATE runs SET spec = '{}'")
+    assert asked(runs, spec(), EVE) == id
+    assert runs._owners(id) == {ANN.owner, EVE.owner} and not runs.remove(id, EVE)

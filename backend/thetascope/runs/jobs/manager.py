@@ -5,7 +5,6 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from threading import Lock
 
 from pydantic import ValidationError
@@ -13,7 +12,7 @@ from pydantic import ValidationError
 from thetascope.access.principal import LOCAL, Principal
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Ended, Finished, Job, Snapshot
-from thetascope.runs.jobs.ownership import others, owns_alone, share_of, with_share
+from thetascope.runs.jobs.ownership import OwnedRuns, Owners, others, owns_alone, with_share
 from thetascope.runs.jobs.recent_runs import Memory
 from thetascope.runs.jobs.store_rows import INTERRUPTED, record_of, snapshot_of
 from thetascope.runs.jobs.store_writer import Writer
@@ -58,6 +57,7 @@ class RunManager:
         self._jobs: dict[str, Job] = {}
         self._lock = Lock()
         self._writer = Writer()
+        self._owned = OwnedRuns(store, self._writer, self._memory)
         self._not_stored: dict[str, Message] = {}  # id → why it is in memory only
         self._execution = Execution(settings, workers, self._end)
 
@@ -104,14 +104,14 @@ class RunManager:
         complete = resolved(spec)
         id = complete.spec_hash()
         known, client = self._readable(id), by.client if by else client
-        owners = self._owners(id) if known is not None else frozenset()
+        owners = self._store.owners(id) if known is None else self._owners(id)
         if known is not None and self._has_result(known):
-            self._share(id, owners, by)
+            self._owned.add(id, owners, by)
             return self._with_posted_spec(known, spec, owns_alone(owners, by))
         kept = {} if known is None else {"created": known.created, "pinned": known.pinned}
         if known is not None and not owns_alone(owners, by):
             spec = known.spec
-        owners = with_share(owners, by, known is not None)
+        owners = with_share(owners, by, exists=known is not None)
         with self._lock:
             job = self._jobs.get(id)
             if job is not None:
@@ -193,7 +193,7 @@ class RunManager:
             ):  # otherwise "running" would be written last
                 job.announced = True
                 record = record_of(job.snapshot())
-                self._writer.later(lambda: self._put(record, job.owners))
+                self._writer.later(lambda: self._owned.put(record, job.owners))
 
     def cancel(self, id: str, by: Principal = LOCAL) -> Snapshot:
         """Request an active run to stop, if nobody else owns it; a run that has ended stays unchanged.
@@ -207,8 +207,7 @@ class RunManager:
                 given_up = job.owners - left
                 job.owners = left or job.owners
             if left:
-                for owner in given_up:
-                    self._writer.later(partial(self._store.disown, id, owner))
+                self._owned.give_up(id, given_up, left)
             else:
                 self._cancel(job)
         snapshot = self.get(id)
@@ -225,8 +224,7 @@ class RunManager:
             self.get(id)
         owners = self._owners(id)
         if left := others(owners, by):
-            self._writer.now(lambda: self._store.disown(id, share_of(owners, by)))
-            self._memory.change(id, owners=left)
+            self._owned.give_up(id, owners - left, left)
             return False
         self._memory.remove(id)
         self._writer.now(lambda: self._store.delete(id))
@@ -306,26 +304,10 @@ class RunManager:
         entry = self._memory.get(snapshot.id)
         return entry is not None or self._store.has_result(snapshot.id, engine_version())
 
-    def _owners(self, id: str) -> frozenset[str]:
-        """Return the owners of a run, in the store those after all writes that were requested."""
-        job, entry = self._jobs.get(id), self._memory.get(id)
-        if job is not None:
-            return job.owners
-        if entry is not None and entry.snapshot.owners is not None:
-            return entry.snapshot.owners
-        return self._writer.now(lambda: self._store.owners(id))
-
-    def _share(self, id: str, owners: frozenset[str], by: Principal | None) -> None:
-        """Store that somebody has asked for a run that exists."""
-        new = with_share(owners, by, exists=True)
-        if new != owners and not self._store.read_only:
-            self._memory.change(id, owners=new)
-            self._writer.later(lambda: self._store.own(id, new))
-
-    def _put(self, record: Record, owners: frozenset[str]) -> None:
-        self._store.put(record)
-        if owners:
-            self._store.own(record.id, owners)
+    def _owners(self, id: str) -> Owners:
+        """Return the owners of a run."""
+        job = self._jobs.get(id)
+        return self._owned.of(id) if job is None else job.owners
 
     def _with_posted_spec(self, snapshot: Snapshot, spec: Experiment, keep: bool) -> Snapshot:
         """Return the run with the spec as posted; title and figures are not part of the id.
@@ -379,7 +361,7 @@ class RunManager:
             del self._jobs[job.id]
         if job.announced:
             record = record_of(replace(job.snapshot(), status="queued", progress=0.0))
-            self._writer.later(lambda: self._put(record, job.owners))
+            self._writer.later(lambda: self._owned.put(record, job.owners))
         self._ended("interrupted", time.time() - job.created)
         job.done.set_exception(Busy(Message("work.stopping")))
 
@@ -390,7 +372,7 @@ class RunManager:
         def write() -> None:
             self._not_stored.pop(record.id, None)
             try:
-                self._put(record, end.snapshot.owners or frozenset())
+                self._owned.put(record, end.snapshot.owners or frozenset())
                 if result is not None:
                     self._store.put_result(record.id, version, result)
             except StoreError as error:
