@@ -122,7 +122,7 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.parametrize("attack", [*range(40), "truncated", "cut"])
+@pytest.mark.parametrize("attack", [*range(24), "truncated", "cut"])
 def test_no_damage_to_the_file_changes_an_answer(filled, tmp_path, attack):
     """Flipped bits at random places of the file and truncation: every answer is right, or an error of the store."""
     path = Path(shutil.copy(filled, tmp_path / "runs.sqlite"))

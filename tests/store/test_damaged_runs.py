@@ -94,5 +94,7 @@ def test_the_interface_lists_damaged_runs_and_names_them_in_problems(postgresql,
                 client.get(f"/api/runs/{path}")
             assert error.value.status == 500
         assert len(client.data(other)["t"]) == 1001
+        assert client.request("DELETE", f"/api/runs/{hit}")[0] == 204
+        assert {run["id"] for run in client.get("/api/runs")["runs"]} == {other, last}
         assert client.post("/api/runs?wait=60", spec_data(seed=1))["status"] == "done"
         assert len(client.data(hit)["t"]) == 1001

@@ -1,6 +1,7 @@
 """/api/runs: start runs, follow their progress, cancel, pin and remove them."""
 
 import asyncio
+from contextlib import suppress
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
@@ -17,6 +18,7 @@ from thetascope.api.http.services import Use
 from thetascope.api.operation.request_log import audit
 from thetascope.runs.jobs.job import Job, Snapshot
 from thetascope.runs.specs.run_requests import parse_request
+from thetascope.store import Damaged
 from thetascope_schemas.service.answers import RunList
 from thetascope_schemas.service.run import Progress, Run
 
@@ -114,8 +116,10 @@ def delete_run(request: Request, id: str, services: Use, language: Language) -> 
     All who asked for the same experiment own its run; it goes when the last of them removes it.
     """
     by = principal_of(request.scope)
-    snapshot = services.runs.cancel(id, by)
-    if snapshot.active:
+    snapshot = None
+    with suppress(Damaged):  # a run that cannot be read is not active, and can be removed
+        snapshot = services.runs.cancel(id, by)
+    if snapshot is not None and snapshot.active:
         audit(request, "run.cancelled", run=id, status=snapshot.status)
         return run_response(snapshot, language, 202)
     gone = services.runs.remove(id, by)
