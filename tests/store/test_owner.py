@@ -1,5 +1,6 @@
 """A store has one owner, the server that runs its queue. Others read it, or store runs that they computed."""
 
+import errno
 import os
 import signal
 import subprocess
@@ -46,6 +47,17 @@ def test_the_owner_s_death_frees_the_store(place):
             except StoreError:
                 continue
         raise AssertionError("the store is still owned")
+
+
+def test_a_folder_in_which_files_cannot_be_locked_is_an_error_of_its_own(tmp_path, monkeypatch):
+    """Not the claim that another server is running; a network file system without locks is one."""
+
+    def failing(handle: int, operation: int) -> None:
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr("fcntl.flock", failing)
+    with pytest.raises(StoreError, match="No locks available"):
+        Database.for_service(tmp_path / "runs.sqlite", False)
 
 
 def test_others_store_and_read_runs_beside_the_owner(place, open_store):

@@ -3,6 +3,7 @@
 import os
 import socket
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 
@@ -23,13 +24,18 @@ class OwnerFile:
         if self._handle is not None:
             return None
         handle = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o600)  # not inherited by other programs
-        if not _locked(handle):
-            name = os.read(handle, 200).decode("utf-8", "replace").strip()
+        try:
+            if not _locked(handle):
+                name = os.read(handle, 200).decode("utf-8", "replace").strip()
+                os.close(handle)
+                return name or "another process"
+        except OSError:
             os.close(handle)
-            return name or "another process"
-        os.ftruncate(handle, 0)
-        os.write(handle, identity().encode())
+            raise
         self._handle = handle
+        with suppress(OSError):  # a full disk: the owner is nameless
+            os.ftruncate(handle, 0)
+            os.write(handle, identity().encode())
         return None
 
     def release(self) -> None:
@@ -40,7 +46,7 @@ class OwnerFile:
 
 
 def _locked(handle: int) -> bool:
-    """Lock an open file; return whether it is locked now."""
+    """Lock an open file; return whether it is locked now. Raises OSError where files cannot be locked."""
     try:
         if sys.platform == "win32":
             import msvcrt
@@ -52,7 +58,7 @@ def _locked(handle: int) -> bool:
             import fcntl
 
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
+    except (BlockingIOError, PermissionError):
         if sys.platform == "win32":
             os.lseek(handle, 0, os.SEEK_SET)
         return False
