@@ -628,6 +628,13 @@ export interface Equations {
   observers: {[name: string]: ObserverEquations};
 }
 
+/** The plant and the observers whose equations are requested. */
+export interface EquationsRequest {
+  plant: string | PlantInput;
+  /** Kinds of observers; null: all. */
+  observers?: (string)[] | null;
+}
+
 /** An event for the log. It is never dropped. */
 export interface Event {
   type: 'event';
@@ -910,6 +917,22 @@ export interface FieldError {
   code: string;
   /** Arguments of both sentences by name. */
   args: {[name: string]: JsonValue};
+  /** The problem, in the requested language. */
+  problem: string;
+  /** The remedy, in the requested language. */
+  remedy: string;
+}
+
+/** One reason for a refusal: the field, the value that arrived, the problem and the remedy. */
+export interface FieldErrorInput {
+  /** Path of the field, for example faults[0].end. */
+  field: string;
+  /** The value that arrived, shortened. */
+  value?: unknown;
+  /** Key of the problem's sentence in the catalogues, GET /api/messages/{language}. */
+  code?: string;
+  /** Arguments of both sentences by name. */
+  args?: {[name: string]: JsonValue};
   /** The problem, in the requested language. */
   problem: string;
   /** The remedy, in the requested language. */
@@ -1696,6 +1719,26 @@ export interface Problem {
   instance: string | null;
   /** For each offending field, its value, the problem and the remedy. */
   errors: (FieldError)[];
+}
+
+/** A refusal or failure as application/problem+json (RFC 9457), with its sentences in the requested language. */
+export interface ProblemInput {
+  /** URI reference of the problem type. */
+  type?: string;
+  /** Short text, the same for every problem of this type. */
+  title: string;
+  /** HTTP status. */
+  status: number;
+  /** The problem of this request, and its remedy. */
+  detail?: string;
+  /** Key of the problem's sentence in the catalogues, GET /api/messages/{language}. */
+  code?: string;
+  /** Arguments of the sentence by name. */
+  args?: {[name: string]: JsonValue};
+  /** URI reference of this occurrence. */
+  instance?: string | null;
+  /** For each offending field, its value, the problem and the remedy. */
+  errors?: (FieldErrorInput)[];
 }
 
 /** The progress of a run. */

@@ -4,7 +4,7 @@ from thetascope.export.comparison_csv import comparison_csv
 from thetascope.export.csv_format import csv_chunks
 from thetascope.export.json_format import json_bytes
 from thetascope.export.mat_format import matlab_bytes, matlab_names
-from thetascope.export.selection import Table, select
+from thetascope.export.selection import Table, indices, select
 
 #: Format name → media type.
 MEDIA_TYPES = {"csv": "text/csv; charset=utf-8", "json": "application/json", "mat": "application/x-matlab-data"}
@@ -14,6 +14,7 @@ __all__ = [
     "Table",
     "comparison_csv",
     "csv_chunks",
+    "indices",
     "json_bytes",
     "matlab_bytes",
     "matlab_names",

@@ -50,11 +50,12 @@ def select(
     rows = slice(first, last, every)
     if columns is None:
         return Table(result.names, result.data[:, rows])
-    chosen = _indices(result.names, columns)
+    chosen = indices(result.names, columns)
     return Table(tuple(result.names[i] for i in chosen), result.data[chosen, rows])
 
 
-def _indices(names: tuple[str, ...], patterns: Sequence[str]) -> list[int]:
+def indices(names: tuple[str, ...], patterns: Sequence[str]) -> list[int]:
+    """Return the places of the names that match patterns, in the patterns' order. Raises SpecError for one without."""
     chosen: dict[int, None] = {}
     for pattern in map(normalised_path, patterns):
         matching = [i for i, name in enumerate(names) if name == pattern or fnmatchcase(name, pattern)]

@@ -1,6 +1,7 @@
 """A message before it has words: a code, and the arguments that its sentence needs."""
 
 from collections.abc import Callable, Mapping, Sequence
+from math import isfinite
 from typing import Any, Union
 
 Argument = Union[str, int, float, bool, None, "Message", Sequence["Argument"]]
@@ -113,6 +114,8 @@ def _plain(value: Any) -> Any:
 def _data(value: Any) -> Any:
     if isinstance(value, Message):
         return value.as_data()
+    if isinstance(value, float) and not isfinite(value):
+        return str(value)  # JSON has no such numbers
     return [_data(item) for item in value] if isinstance(value, tuple) else value
 
 

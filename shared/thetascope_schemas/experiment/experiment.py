@@ -71,7 +71,7 @@ class Experiment(Strict):
         description="",
         source="",
         errata=[],
-        plant="contois",
+        plant="zhao-contois",
         parameters={"a4": 0.1},
         initial={"x1": 0.09, "x2": 0.01},
         inputs={"u": {"kind": "steps", "times": [10, 20], "values": [0.08, 0.02, 0.08]}},

@@ -81,7 +81,17 @@ def _field_error(error: Mapping[str, Any], data: object, render: Render) -> Fiel
     else:
         code, args = _of_pydantic(error, context)
     problem, remedy = sentences(code, args, render)
+    args = {name: _json(argument) for name, argument in args.items()}
     return FieldError(field=path, value=_shown(value), code=code, args=args, problem=problem, remedy=remedy)
+
+
+def _json(argument: Any) -> Any:
+    """Return an argument as JSON has it: numbers that are not finite become their names."""
+    if isinstance(argument, float) and not math.isfinite(argument):
+        return str(argument)
+    if isinstance(argument, Mapping):
+        return {name: _json(value) for name, value in argument.items()}
+    return [_json(value) for value in argument] if isinstance(argument, list | tuple) else argument
 
 
 PYDANTIC_CODES = frozenset(

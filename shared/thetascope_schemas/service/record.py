@@ -1,5 +1,6 @@
 """A record: measurements of a real plant, to be diagnosed."""
 
+from math import sin
 from typing import Annotated
 
 from pydantic import Field
@@ -12,10 +13,18 @@ MOST_ROWS = 200_000
 Column = Annotated[list[float], Field(max_length=MOST_ROWS)]
 
 
+def _example() -> dict[str, list[float]]:
+    """Return two seconds of a motor at rest, as its sensors see it: 201 rows."""
+    rows = range(201)
+    noise = [round(0.003 * sin(1e3 * sin(12.9898 * k + c)), 5) for c in (0.0, 1.0) for k in rows]
+    t = [round(0.01 * k, 2) for k in rows]
+    return {"t": t, "torque": [0.0] * 201, "y_speed": noise[:201], "y_acceleration": noise[201:]}
+
+
 class Record(Strict):
     """Equally spaced samples of ``t``, inputs, signals and outputs of the plant: columns, or CSV with a header."""
 
-    model_config = example(plant="friction-motor", csv="t,torque,y_speed,y_acceleration\n0,0.5,0.01,0.05\n…", learn=2.0)
+    model_config = example(plant="friction-motor", columns=_example(), learn=0.0)
 
     plant: PlantChoice = Field(description="Id of a library plant, or a complete plant.")
     columns: dict[str, Column] | None = Field(

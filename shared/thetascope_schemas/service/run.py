@@ -219,7 +219,7 @@ class Run(Strict):
         id="5f0c1a9e77b24d3c8a6f01234567890b",
         status="done",
         progress=1,
-        spec={"plant": "contois", "horizon": 100, "step": 0.001},
+        spec={"plant": "zhao-contois", "horizon": 100, "step": 0.001},
         summary=_SUMMARY,
         problem=None,
         created="2025-01-01T12:00:00Z",

@@ -5,11 +5,13 @@ from typing import Any
 from fastapi import FastAPI
 from pydantic.json_schema import models_json_schema
 
-from thetascope.api.http.session_bodies import ForkRequest, SessionRequest
+from thetascope.api.http.problems import PROBLEM, RESPONSES
+from thetascope.api.http.request_bodies import EquationsRequest, ForkRequest, SessionRequest
 from thetascope.runs.specs.run_requests import RunRequest
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.record import Record
+from thetascope_schemas.service.run import Problem
 
 SCHEMES = {
     "bearer": {"type": "http", "scheme": "bearer", "description": "The access key, as `Authorization: Bearer KEY`."},
@@ -24,7 +26,15 @@ SCHEMES = {
 """Ways to show the access key. A service on loopback, and one with THETASCOPE_OPEN=1, asks for none of them."""
 _NO_KEY = ("/api/health/live",)
 
-BODIES = (Experiment, Plant, Record, RunRequest, SessionRequest, ForkRequest)
+BODIES = (Experiment, Plant, Record, RunRequest, SessionRequest, ForkRequest, EquationsRequest, Problem)
+_ANY = {"description": "Another refusal, or an internal error (500).", "content": PROBLEM}
+
+
+def _refusals(responses: dict[str, Any]) -> None:
+    """Describe refusals as they are answered: also those of parameters, for which FastAPI has a form of its own."""
+    if "HTTPValidationError" in str(responses.get("422")):
+        responses["422"] = RESPONSES[422]
+    responses["default"] = _ANY
 
 
 def install(app: FastAPI) -> None:
@@ -42,6 +52,11 @@ def install(app: FastAPI) -> None:
                 schemas.setdefault(name, schema)
             openapi["components"]["securitySchemes"] = SCHEMES
             openapi["security"] = [{}, *({name: []} for name in SCHEMES)]
+            for operations in openapi["paths"].values():
+                for operation in operations.values():
+                    _refusals(operation["responses"])
+            for name in ("HTTPValidationError", "ValidationError"):
+                schemas.pop(name, None)
             for path in _NO_KEY:
                 openapi["paths"][path]["get"]["security"] = []
             app.openapi_schema = openapi

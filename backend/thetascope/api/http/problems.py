@@ -33,9 +33,12 @@ log = logging.getLogger(__name__)
 
 MEDIA_TYPE = "application/problem+json"
 
+PROBLEM = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
+"""The content of a refusal in the OpenAPI document."""
+
 #: For the OpenAPI page: the problems that any operation on a spec or a run may return.
 RESPONSES = {
-    code: {"model": Problem, "description": text, "content": {MEDIA_TYPE: {}}}
+    code: {"description": text, "content": PROBLEM}
     for code, text in {
         401: "The access key is missing or wrong.",
         403: "It belongs to another client.",

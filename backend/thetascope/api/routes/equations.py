@@ -9,26 +9,17 @@ from thetascope.api.http.answers import json_response
 from thetascope.api.http.computed import computed
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
-from thetascope.api.http.read_body import parsed
+from thetascope.api.http.read_body import body_schema, parsed
+from thetascope.api.http.request_bodies import EquationsRequest
 from thetascope.api.http.services import Use
 from thetascope.assembly.analyses.equations import equations_of
 from thetascope.engine.observers.registry import kinds
 from thetascope.runs.specs.refusals import validated
 from thetascope.runs.specs.resolve_spec import plant_of
-from thetascope_schemas.experiment.base import Strict
-from thetascope_schemas.experiment.experiment import PlantChoice
-from thetascope_schemas.experiment.observers import Kind
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.answers import Equations
 
 router = APIRouter(tags=["equations"])
-
-
-class Question(Strict):
-    """The plant and the observers whose equations are requested."""
-
-    plant: PlantChoice
-    observers: tuple[Kind, ...] | None = None
 
 
 @router.get("/equations/{id}", response_model=Equations, responses=documented(404))
@@ -37,12 +28,17 @@ def get_equations(id: str, language: Language) -> Response:
     return json_response(equations_of(plant_of(id), kinds(), language))
 
 
-@router.post("/equations", response_model=Equations, responses=documented(404, 413, 415, 422))
+@router.post(
+    "/equations",
+    response_model=Equations,
+    openapi_extra=body_schema("EquationsRequest"),
+    responses=documented(404, 413, 415, 422),
+)
 async def post_equations(request: Request, services: Use, language: Language) -> Response:
     """Return the equations of a plant (in full, or a library id) and of the named kinds of observers (default: all)."""
 
     def read(data: Any) -> tuple[Plant, tuple[str, ...]]:
-        question = validated(Question, data)
+        question = validated(EquationsRequest, data)
         return plant_of(question.plant), kinds() if question.observers is None else question.observers
 
     plant, chosen = await parsed(request, services.settings.max_body, read)

@@ -3,13 +3,13 @@
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Request
-from starlette.responses import Response, StreamingResponse
+from starlette.responses import HTMLResponse, Response, StreamingResponse
 
 from thetascope.api.http.answers import from_result, json_response, run_links
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.services import Use
-from thetascope.api.routes import time_span
+from thetascope.api.routes import table_query
 from thetascope.export import MEDIA_TYPES, Table, comparison_csv, csv_chunks, json_bytes, matlab_bytes, select
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Finished
@@ -30,19 +30,25 @@ REPORT_POLICY = (
 )
 """The report contains its script. A sandbox separates it from the program's origin, which it cannot access."""
 
-Names = Annotated[str | None, Query(description="Columns, separated by commas; `*` matches any text.", max_length=8000)]
 
-
-@router.get("/data", response_model=None, responses=documented(404, 409, 422, 429))
+@router.get(
+    "/data",
+    response_class=Response,
+    responses={
+        200: table_query.tables("csv", "json", "mat"),
+        304: {"description": "Unchanged."},
+        **documented(404, 409, 422, 429),
+    },
+)
 async def get_data(
     request: Request,
     id: str,
     services: Use,
     format: Literal["csv", "json", "mat"] = "csv",
     encoding: Annotated[Literal["plain", "bdata"], Query(description="json: numbers, or base64 of float64.")] = "plain",
-    columns: Names = None,
-    start: time_span.First = None,
-    end: time_span.Last = None,
+    columns: table_query.Names = None,
+    start: table_query.First = None,
+    end: table_query.Last = None,
     every: Annotated[int, Query(ge=1, description="Return every n-th row.")] = 1,
     points: Annotated[int | None, Query(ge=1, description="Return at most this many rows, evenly spaced.")] = None,
 ) -> Response:
@@ -51,7 +57,7 @@ async def get_data(
     CSV and JSON numbers read back to exactly the same float64. Missing values (after a divergence) are `nan` in CSV and
     null in JSON.
     """
-    time_span.check(start, end)
+    table_query.check(start, end)
     tag = f'"{id}-{engine_version()}"'
     headers = {"ETag": tag, "Cache-Control": "private, no-cache"}
     names = columns.split(",") if columns else None
@@ -67,7 +73,9 @@ async def get_data(
     return await from_result(request, services, id, make)
 
 
-@router.get("/comparison", response_model=Comparison, responses=documented(404, 409, 429))
+@router.get(
+    "/comparison", response_model=Comparison, responses={200: table_query.tables("csv"), **documented(404, 409, 429)}
+)
 async def get_comparison(request: Request, id: str, services: Use, format: Literal["csv", "json"] = "json") -> Response:
     """Compare the observers on the same data: errors between fault events, settling, faults found and missed, cost.
 
@@ -116,7 +124,7 @@ async def get_figure(
     return await from_result(request, services, id, make)
 
 
-@router.get("/report", response_model=None, responses=documented(404, 409, 429))
+@router.get("/report", response_class=HTMLResponse, responses=documented(404, 409, 429))
 async def get_report(
     request: Request,
     id: str,

@@ -12,15 +12,15 @@ from thetascope.access.principal import principal_of
 from thetascope.api.http.answers import ended, json_response, progress_response, run_response
 from thetascope.api.http.computed import check_cpu, client_of, computed, limits_for, while_connected
 from thetascope.api.http.language import Language
-from thetascope.api.http.problems import documented, problem_response
+from thetascope.api.http.problems import PROBLEM, documented, problem_response
 from thetascope.api.http.read_body import body_schema, json_of, parsed, read_body
+from thetascope.api.http.request_bodies import ForkRequest, SessionRequest
 from thetascope.api.http.services import Services, Use
-from thetascope.api.http.session_bodies import ForkRequest, SessionRequest
 from thetascope.api.operation.request_log import audit
-from thetascope.api.routes import time_span
+from thetascope.api.routes import table_query
 from thetascope.api.routes.session_stream import Stream, matches
 from thetascope.engine.errors import Unwatchable
-from thetascope.export import MEDIA_TYPES, Table, csv_chunks, json_bytes, matlab_bytes
+from thetascope.export import MEDIA_TYPES, Table, csv_chunks, indices, json_bytes, matlab_bytes
 from thetascope.live.facts.window_comparison import window_comparison
 from thetascope.live.room.advice import propose_input_for
 from thetascope.live.scheduling.hub import TooManySessions
@@ -33,13 +33,13 @@ from thetascope_schemas.experiment.diagnosis import InputProposal
 from thetascope_schemas.experiment.experiment import ResolvedExperiment
 from thetascope_schemas.service.answers import SessionOpened, SessionState
 from thetascope_schemas.service.comparison import WindowComparison
-from thetascope_schemas.service.run import Problem, Progress, Run
+from thetascope_schemas.service.run import Progress, Run
 from thetascope_schemas.texts.refusal import suggestion
 
 router = APIRouter(prefix="/sessions", tags=["sessions"])
 router.routes.append(WebSocketRoute("/sessions/{id}/stream", Stream()))  # appended directly: no prefix is added
 
-_FORBIDDEN = {403: {"model": Problem, "description": "The control token is not this session's."}}
+_FORBIDDEN = {403: {"description": "The control token is not this session's.", "content": PROBLEM}}
 ControlToken = Annotated[str, Header(alias="X-Control-Token", description="The token that the session's opener got.")]
 
 
@@ -178,14 +178,14 @@ async def propose_input(id: str, services: Use, language: Language) -> Response:
 async def compare_observers(
     id: str,
     services: Use,
-    start: time_span.First = None,
-    end: time_span.Last = None,
+    start: table_query.First = None,
+    end: table_query.Last = None,
     state: Annotated[str | None, Query(max_length=32, description="The state whose error is measured.")] = None,
     channel: Annotated[str | None, Query(max_length=32, description="The fault channel.")] = None,
 ) -> WindowComparison:
     """Return error, noise and time to settle of every observer over a window, and whether the newest fault is found."""
     room = _room(services, id)
-    time_span.check(start, end)
+    table_query.check(start, end)
     plant = room.session.spec.plant
     for field, name, known in (("state", state, plant.names("states")), ("channel", channel, plant.names("channels"))):
         if name is not None and name not in known:
@@ -195,25 +195,31 @@ async def compare_observers(
     return await window_comparison(room, start, end, state, channel)
 
 
-@router.get("/{id}/data", response_model=None, responses=documented(404, 422))
+@router.get(
+    "/{id}/data",
+    response_class=Response,
+    responses={200: table_query.tables("json", "csv", "mat"), **documented(404, 422)},
+)
 async def get_session_data(
     id: str,
     services: Use,
-    start: time_span.First = None,
-    end: time_span.Last = None,
+    start: table_query.First = None,
+    end: table_query.Last = None,
     every: Annotated[int, Query(ge=1, description="Return every n-th row.")] = 1,
+    columns: table_query.Names = None,
     format: Annotated[
         Literal["json", "bdata", "csv", "mat"], Query(description="bdata: JSON with base64 of float64.")
     ] = "json",
 ) -> Response:
     """Return the past as it was displayed: float32, in the present columns. Save the session to get all digits."""
     room = _room(services, id)
-    time_span.check(start, end)
-    record, shown, columns = room.session.record, room.shown, room.broadcast.columns
+    table_query.check(start, end)
+    record, shown, present = room.session.record, room.shown, room.broadcast.columns
+    chosen = present if columns is None else tuple(present[i] for i in indices(present, columns.split(",")))
     first = min(shown, max(room.oldest, 0 if start is None else ceil(start / record - 1e-6)))
     last = shown if end is None else max(first, min(shown, floor(end / record + 1e-6) + 1))
-    rows = await room.past_rows(columns, first, last)
-    table = await run_in_threadpool(lambda: Table(columns, rows[:, ::every].astype(float)))
+    rows = await room.past_rows(chosen, first, last)
+    table = await run_in_threadpool(lambda: Table(chosen, rows[:, ::every].astype(float)))
     if format == "csv":
         return StreamingResponse(csv_chunks(table), 200, _named(id, "csv"), MEDIA_TYPES["csv"])
     if format == "mat":

@@ -1,4 +1,4 @@
-"""Request bodies for sessions."""
+"""Bodies of requests that are not specs of the contract: sessions, forks, equations."""
 
 from typing import Annotated
 
@@ -8,7 +8,8 @@ from thetascope.messages import Message
 from thetascope.runs.specs.refusals import invalid
 from thetascope.runs.specs.resolve_spec import library_experiment, resolved, with_changes
 from thetascope_schemas.experiment.base import Flag, Identifier, Instant, Strict, example
-from thetascope_schemas.experiment.experiment import Experiment, ResolvedExperiment
+from thetascope_schemas.experiment.experiment import Experiment, PlantChoice, ResolvedExperiment
+from thetascope_schemas.experiment.observers import Kind
 
 
 class SessionRequest(Strict):
@@ -38,6 +39,15 @@ class SessionRequest(Strict):
         if self.experiment is not None and self.spec is None:
             return resolved(with_changes(library_experiment(self.experiment), self.set))
         raise invalid("experiment", self.experiment, Message("session.body.no-experiment"))
+
+
+class EquationsRequest(Strict):
+    """The plant and the observers whose equations are requested."""
+
+    model_config = example(plant="zhao-contois", observers=["zhao-adaptive"])
+
+    plant: PlantChoice
+    observers: tuple[Kind, ...] | None = Field(default=None, description="Kinds of observers; null: all.")
 
 
 class ForkRequest(Strict):
