@@ -228,15 +228,15 @@ def test_the_commands_say_what_they_found(call, open_store, tmp_path, place):
     """Exit code 1 with damage or a refusal, and each defect on a line."""
     fill(open_store())
     file = str(tmp_path / "backup")
-    assert call("verify")[:2] == (0, f"{Database(place).place}: 5 runs and 5 results were read\n")
+    assert call("verify")[:2] == (0, f"read {Database(place).place} (runs: 5, results: 5)\n")
     assert call("backup", file)[0] == 0
-    assert call("verify", file)[:2] == (0, f"{file}: 5 runs and 5 results were read\n")
+    assert call("verify", file)[:2] == (0, f"read {file} (runs: 5, results: 5)\n")
     code, _, error = call("restore", file)
     assert code == 1 and "has runs" in error
     damage(place)
     code, _, error = call("verify")
     assert code == 1 and error.count("\n") == 4 and "run r2: its result is damaged" in error
     code, shown, _ = call("restore", file, "--force")
-    assert code == 0 and "5 runs and 5 results" in shown
+    assert code == 0 and "(runs: 5, results: 5)" in shown
     assert call("verify")[0] == 0
     assert np.array_equal(open_store().get_result("r2", "e").data, made_result(seed=2).data, equal_nan=True)
