@@ -1,5 +1,5 @@
 # The service as an image: docker compose up, or docker build -t thetascope . && docker run -p 8000:8000 thetascope
-FROM python:3.11-slim AS build
+FROM python:3.11.14-slim-bookworm AS build
 ENV PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_CACHE_DIR=1
 RUN python -m venv /opt/thetascope
 WORKDIR /source
@@ -11,7 +11,7 @@ COPY backend backend
 COPY frontend frontend
 RUN /opt/thetascope/bin/pip install --no-deps --no-build-isolation .
 
-FROM python:3.11-slim
+FROM python:3.11.14-slim-bookworm
 RUN groupadd --gid 10001 thetascope \
  && useradd --uid 10001 --gid thetascope --no-create-home --shell /usr/sbin/nologin thetascope \
  && install -d -o thetascope -g thetascope /data /cache
