@@ -61,6 +61,7 @@ def test_the_link_opens_the_live_page_and_a_new_key_leads_back_to_it(visitor, gu
     assert "key" not in urlsplit(page.url).query and not page.evaluate("document.cookie")
     assert page.evaluate("fetch('/api/runs').then((answer) => answer.status)") == 200
     assert page.watch.errors == page.watch.foreign == []
+    until(page, "history.state?.session")  # the address keeps the session from here on
     session = page.evaluate("thetascope.state.session")
     key = guarded.key = guarded.file.renew()
     page.wait_for_url("**/sign-in?*")
