@@ -18,6 +18,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from thetascope.messages import Message
+from thetascope.messages.explained import Explained
 from thetascope.settings import SettingsError
 
 log = logging.getLogger(__name__)
@@ -28,13 +29,8 @@ _ALLOWED = set(string.ascii_letters + string.digits + string.punctuation)
 _BYTES = 24
 
 
-class KeyFileError(SettingsError):
+class KeyFileError(Explained, SettingsError):
     """The file of the access key cannot be used."""
-
-    def text(self, language: str = "en") -> str:
-        """Return `problem; remedy` in a language."""
-        remedy = Message(f"{self.problem.code}.remedy", **self.problem.args)
-        return Message("refusal.sentence", problem=self.problem, remedy=remedy).text(language)
 
 
 @dataclass(frozen=True)

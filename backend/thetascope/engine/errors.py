@@ -1,6 +1,7 @@
 """Errors that a user's input can cause. Each names the field, the value and the remedy."""
 
 from thetascope.messages import Message
+from thetascope.messages.explained import Explained
 
 
 class ThetascopeError(Exception):
@@ -71,20 +72,8 @@ class ExpressionError(SpecError):
         )
 
 
-class FolderRefused(ThetascopeError):
+class FolderRefused(Explained, ThetascopeError):
     """A folder for files that are executed, in which somebody else could write; the message has a remedy."""
-
-    def __init__(self, problem: Message) -> None:
-        super().__init__(problem)
-        self.problem = problem
-
-    def text(self, language: str = "en") -> str:
-        """Return `problem; remedy` in a language."""
-        remedy = Message(f"{self.problem.code}.remedy", **self.problem.args)
-        return Message("refusal.sentence", problem=self.problem, remedy=remedy).text(language)
-
-    def __str__(self) -> str:
-        return self.text()
 
 
 class Cancelled(ThetascopeError):

@@ -1,26 +1,10 @@
 """Errors of the store, with their remedies."""
 
-from thetascope.messages import Message
+from thetascope.messages.explained import Explained
 
 
-class StoreError(RuntimeError):
-    """The store cannot be used.
-
-    Args:
-        problem: why; its remedy is the message whose code is the problem's plus `.remedy`, with its arguments.
-    """
-
-    def __init__(self, problem: Message) -> None:
-        super().__init__(problem)
-        self.problem = problem
-
-    def text(self, language: str = "en") -> str:
-        """Return `problem; remedy` in a language."""
-        remedy = Message(f"{self.problem.code}.remedy", **self.problem.args)
-        return Message("refusal.sentence", problem=self.problem, remedy=remedy).text(language)
-
-    def __str__(self) -> str:
-        return self.text()
+class StoreError(Explained, RuntimeError):
+    """The store cannot be used."""
 
 
 class Damaged(StoreError):
