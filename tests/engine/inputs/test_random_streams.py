@@ -1,5 +1,7 @@
 """Random numbers: their definition, random access, independence of streams."""
 
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -130,3 +132,32 @@ def test_threads_get_the_same_numbers():
         drawn = list(pool.map(lambda k: normal(k, 5, 5000), keys))
     for key, values in zip(keys, drawn, strict=True):
         np.testing.assert_array_equal(values, normal(key, 5, 5000))
+
+
+FIRST_USE = """
+import threading
+from thetascope.engine.inputs import random_streams
+
+load, meet, drawn = random_streams.load, threading.Barrier(4), []
+
+def together(*args):
+    meet.wait()
+    engine = load(*args)
+    meet.wait()
+    return engine
+
+random_streams.load = together
+draw = lambda: drawn.append(random_streams.normal((1,), 0, 200_000).tobytes())
+threads = [threading.Thread(target=draw) for _ in range(4)]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+assert len(drawn) == 4 and len(set(drawn)) == 1
+"""
+
+
+def test_threads_that_come_first_together_get_the_same_numbers():
+    """Each loads the machine code, of which one copy is kept: the others must exist until their calls have ended."""
+    done = subprocess.run([sys.executable, "-c", FIRST_USE], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, (done.returncode, done.stderr)

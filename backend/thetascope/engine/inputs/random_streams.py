@@ -22,11 +22,18 @@ _EIGHT_STREAMS = ctypes.CFUNCTYPE(None, _PLACE, _PLACE, _COUNT, _COUNT, _PLACE, 
 
 
 @lru_cache(maxsize=1)
-def _functions() -> tuple[object, dict[str, Callable]]:
-    """Return the compiled generator: the module, which must stay referenced, and its functions by name."""
+def _functions() -> dict[str, Callable]:
+    """Return the functions of the compiled generator by name.
+
+    Each holds the module: two threads that come first at the same time load one each, of which one is kept here, and
+    the machine code of the other must exist until its call has ended.
+    """
     engine = load("draws-" + platform_key(), ir_random.emit)
-    kinds = {"uniform": _ONE_STREAM, "normal": _ONE_STREAM, "normal_lanes": _EIGHT_STREAMS}
-    return engine, {name: kind(engine.get_function_address(name)) for name, kind in kinds.items()}
+    functions: dict[str, Callable] = {}
+    for name, kind in (("uniform", _ONE_STREAM), ("normal", _ONE_STREAM), ("normal_lanes", _EIGHT_STREAMS)):
+        functions[name] = function = kind(engine.get_function_address(name))
+        function.module = engine
+    return functions
 
 
 @lru_cache(maxsize=8192)
@@ -43,7 +50,7 @@ def _draw(kind: str, key: tuple[int, ...], first: int, count: int) -> np.ndarray
     pair = first // 2  # the generator returns two numbers per pair
     blocks = -(-(first + count - 2 * pair) // ir_random.BLOCK)
     out = np.empty(blocks * ir_random.BLOCK)
-    _functions()[1][kind](*_words(key), pair, blocks, out.ctypes.data)
+    _functions()[kind](*_words(key), pair, blocks, out.ctypes.data)
     return out[first - 2 * pair :][:count]
 
 
@@ -76,5 +83,5 @@ class Streams:
         out = np.empty((2 * pairs, streams))
         low, high, to = self._keys[0].ctypes.data, self._keys[1].ctypes.data, out.ctypes.data
         for offset in range(0, 8 * streams, 64):
-            _functions()[1]["normal_lanes"](low + offset, high + offset, pair, pairs, to + offset, streams)
+            _functions()["normal_lanes"](low + offset, high + offset, pair, pairs, to + offset, streams)
         return out[first - 2 * pair :][:count]
