@@ -46,6 +46,8 @@ class Settings:
     #: Address and port on which `thetascope serve` listens.
     host: str = "127.0.0.1"
     port: int = 8000
+    #: Address under which a container's port is published, where it is not `host`: it decides who needs the access key.
+    published: str = ""
     #: Further names of this service, separated by commas; loopback names and addresses as numbers are always accepted.
     hosts: str = ""
     #: Access key; "": a random one, created when it is needed. `open`: whether nobody is asked for it (1).

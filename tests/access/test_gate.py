@@ -44,6 +44,18 @@ def test_bound_to_other_addresses_everybody_needs_the_key(tmp_path, host, reques
     assert not made.admit(replace(request_, keys=("guess", key))).is_machine
 
 
+@pytest.mark.parametrize(
+    ("published", "asked"), [("127.0.0.1", False), ("::1", False), ("0.0.0.0", True), ("10.0.0.5", True)]
+)
+def test_of_a_container_the_address_of_its_port_counts(tmp_path, published, asked):
+    """It listens everywhere; published on loopback only a proxy's clients need the key."""
+    made, key = gate(tmp_path, host="0.0.0.0", published=published)
+    assert made.asks_everybody is asked
+    assert (made.admit(LOCAL) is Refused.NO_KEY) is asked
+    assert made.admit(replace(OTHER, proxied=True)) is Refused.NO_KEY
+    assert made.admit(replace(OTHER, keys=(key,))).owner == HOLDER or not asked
+
+
 def test_open_admits_everybody(tmp_path):
     """THETASCOPE_OPEN=1 asks nobody, and nobody owns a run alone."""
     made = Gate(Settings(data=tmp_path, host="0.0.0.0", open=1))

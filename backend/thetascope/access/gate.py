@@ -6,6 +6,8 @@
 | loopback               | under a loopback name, not passed on by a proxy        | the machine's owner             |
 | loopback               | any other, as from a proxy                             | the holder of the key or ticket |
 | anything else          | any, also one that comes from the machine itself       | the holder of the key or ticket |
+
+A container listens on all of its own addresses; there the address counts under which its port is published.
 """
 
 import hmac
@@ -67,7 +69,7 @@ class Gate:
     def __init__(self, settings: Settings) -> None:
         self.file = KeyFile(settings.data / FILE, settings.key)
         self.is_open = bool(settings.open)
-        self.on_loopback = is_loopback(settings.host)
+        self.on_loopback = is_loopback(settings.published or settings.host)
         self.has_names = bool(settings.hosts.strip())
 
     @property
