@@ -168,7 +168,10 @@ test('the unit of process noise is that of the state per root of a second', () =
   assert.deepEqual(['cm', '', 'rad/s'].map(perRoot), ['cm/√s', '1/√s', '(rad/s)/√s']);
 });
 
-/** A source with a session that answers when it is told to. */
+/**
+ * A source with a session that answers on demand. Several turns of timers follow an answer, as the source begins one of
+ * its own in the first of them.
+ */
 function withSession() {
   /** @type {{truth: Truth, answer: (error?: object) => Promise<void>}[]} */
   const sent = [];
@@ -185,7 +188,7 @@ function withSession() {
           async answer(error) {
             if (error) fail(error);
             else done(null);
-            await new Promise((next) => setTimeout(next, 5));
+            for (let turn = 0; turn < 4; turn += 1) await new Promise((next) => setTimeout(next, 2));
           },
         }),
       ),
