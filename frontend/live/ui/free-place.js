@@ -24,14 +24,16 @@ export function stand(element, {breaks = false, taken = false, crowded = false, 
   const fits = () => element.getBoundingClientRect().width <= room + ROUNDING;
   if (breaks && room > (crowded ? 0 : LEAST)) element.style.maxWidth = `${room}px`;
   if (!taken && !fits()) narrow(true);
-  if (gap && !taken && fits())
+  const inHeader = () => fits() && element.offsetHeight <= header.height;
+  if (gap && !taken && inHeader())
     put(element, gap.left + gap.width / 2, header.top + (header.height - element.offsetHeight) / 2);
   else {
     narrow(false);
     const scope = query('#scope').getBoundingClientRect();
     element.style.maxWidth = `${scope.width - 16}px`;
     const plots = query('.plots').getBoundingClientRect();
-    put(element, scope.left + scope.width / 2, plots.top - element.offsetHeight - 2);
+    const above = plots.top - element.offsetHeight - 2;
+    put(element, scope.left + scope.width / 2, above >= header.bottom ? above : plots.top + 8);
   }
 }
 

@@ -39,6 +39,12 @@ def spin(seconds: float, mark: object = None) -> None:
         pass
 
 
+def niceness_after(seconds: float) -> int:
+    spin(seconds)
+    time.sleep(0.5)  # longer than between two looks at a computation
+    return os.nice(0)
+
+
 def zeros(count: int) -> np.ndarray:
     return np.zeros(count) + 1
 

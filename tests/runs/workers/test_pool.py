@@ -126,6 +126,17 @@ def test_clients_take_turns(start, tmp_path):
     assert len(order) == 8 and order[:4] in (["one", "two"] * 2, ["two", "one"] * 2)
 
 
+def test_a_trusted_computation_has_more_time_and_does_not_give_way(start, monkeypatch):
+    """On a busy machine the library's experiments are opened, too; what users typed gives way and ends in time."""
+    monkeypatch.setattr(pool, "_GIVE_WAY", ((0.3, 15),))
+    workers = start()
+    assert outcome(workers.call(tasks.niceness_after, 0.6, trusted=True)) < 15
+    assert outcome(workers.call(tasks.niceness_after, 0.6, client="two")) >= 15
+    short = start(Limits(2.0, 60.0, 1 << 30))
+    typed, trusted = short.call(tasks.wait, 4.0), short.call(tasks.wait, 4.1, trusted=True)
+    assert outcome(typed).problem.code == "work.time-limit" and outcome(trusted) is None
+
+
 def test_what_takes_long_makes_room_for_what_is_short(start, monkeypatch):
     """A long computation moves to the slow lane; where that is full it begins again later, and is carried out."""
     monkeypatch.setattr(pool, "MOMENT", 0.1)

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Coroutine
+from functools import partial
 from typing import Any, ParamSpec, TypeVar
 
 from fastapi import Request
@@ -13,6 +14,7 @@ from thetascope.access.principal import principal_of
 from thetascope.api.http.services import Services
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import Busy, OverLimit
+from thetascope.runs.workers.computation import Computation
 
 Value = TypeVar("Value")
 Given = ParamSpec("Given")
@@ -47,9 +49,20 @@ async def computed(
 
     Raises the function's exception, Busy, OverLimit, LimitReached, or ClientDisconnect.
     """
+    return await _computed(request, services, partial(services.workers.call, function, *args, **kwargs))
+
+
+async def computed_for_library(
+    request: Request, services: Services, function: Callable[Given, Value], *args: Given.args, **kwargs: Given.kwargs
+) -> Value:
+    """Return the same for something of the library, which is known to end: it may take longer on a busy machine."""
+    return await _computed(request, services, partial(services.workers.call, function, *args, **kwargs, trusted=True))
+
+
+async def _computed(request: Request, services: Services, submit: Callable[..., Computation]) -> Any:
     check_cpu(request, services)
-    workers, client = services.workers, client_of(request)
-    computation = await run_in_threadpool(lambda: workers.call(function, *args, client=client, **kwargs))
+    client = client_of(request)
+    computation = await run_in_threadpool(lambda: submit(client=client))
     future = asyncio.wrap_future(computation.result)
     try:
         if await first_of(request, future, computation.limits.seconds + _GRACE):

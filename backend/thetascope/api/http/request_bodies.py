@@ -30,6 +30,11 @@ class SessionRequest(Strict):
     )
     t: Instant = Field(default=0.0, description="Time in s at which the session opens.")
 
+    @property
+    def is_library(self) -> bool:
+        """Whether it is an experiment of the library as it is."""
+        return self.experiment is not None and self.spec is None and not self.set
+
     def resolved(self) -> ResolvedExperiment:
         """Return the experiment with its plant in full. Raises InvalidSpec, or Unknown for an id not in the library."""
         if self.spec is not None and self.experiment is None:

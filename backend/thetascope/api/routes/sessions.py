@@ -10,7 +10,14 @@ from starlette.routing import WebSocketRoute
 
 from thetascope.access.principal import principal_of
 from thetascope.api.http.answers import ended, json_response, progress_response, run_response
-from thetascope.api.http.computed import check_cpu, client_of, computed, limits_for, while_connected
+from thetascope.api.http.computed import (
+    check_cpu,
+    client_of,
+    computed,
+    computed_for_library,
+    limits_for,
+    while_connected,
+)
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import PROBLEM, documented, problem_response
 from thetascope.api.http.read_body import body_schema, json_of, parsed, read_body
@@ -63,7 +70,8 @@ async def create_session(request: Request, services: Use, language: Language) ->
     async def rehearse(spec: ResolvedExperiment) -> None:
         from thetascope.live.scheduling.rehearsal import rehearse_opening  # imports SymPy
 
-        await computed(request, services, rehearse_opening, spec, services.settings.session_rows)
+        compute = computed_for_library if body.is_library else computed
+        await compute(request, services, rehearse_opening, spec, services.settings.session_rows)
 
     client, most = client_of(request), limits_for(request, services).sessions
     opening = services.live.create(body.resolved, body.t, body.play, body.speed, rehearse, client, most)

@@ -121,7 +121,6 @@ class Hub:
             TooManySessions, OverLimit, SpecError.
         """
         loop, limit = asyncio.get_running_loop(), self._settings.session_rows
-        until = loop.time() + self._settings.job_seconds
         with self._reserve(client, most):
             await asyncio.sleep(self._openings.wait(loop.time()))
             spec = await loop.run_in_executor(self._workshop, read)
@@ -131,6 +130,7 @@ class Hub:
                 self._rehearsed[key] = None
                 while len(self._rehearsed) > _REHEARSED:
                     self._rehearsed.popitem(last=False)
+            until = loop.time() + self._settings.job_seconds
             session = await loop.run_in_executor(self._workshop, lambda: self._template(spec, limit))
             await self._forward.advance(session, _rows_until(session, t, limit), self._past(), client, until)
             return self._add(session, play, speed, None, client)

@@ -29,6 +29,7 @@ class Computation:
         report: is called in a thread with what the computation tells on its way.
         queued: whether waiting for a turn counts towards the time limit.
         long: whether it is known to take long.
+        trusted: whether it is one of the library's own: it does not give way when it takes long.
     """
 
     client: str
@@ -37,6 +38,7 @@ class Computation:
     report: Report = lambda name, value: None
     queued: bool = True
     long: bool = False
+    trusted: bool = False
     result: "Future[Any]" = field(default_factory=Future)
     holders: int = 1
     deadline: float = field(init=False)

@@ -10,6 +10,7 @@ import signal
 import time
 from collections import Counter, OrderedDict
 from collections.abc import Callable
+from dataclasses import replace
 from threading import Lock, Thread, current_thread
 from typing import Any
 
@@ -30,6 +31,8 @@ _GIVE_WAY = ((MOMENT, 10), (8.0, 19))
 """Nice values, by the seconds of processor time that a computation has used: the longer, the more it gives way."""
 _LOOK = 0.05
 """Seconds between two looks at a computation: at its limits, and whether it was cancelled."""
+_PATIENCE = 6
+"""How many times the time limit a trusted computation may take."""
 _KEPT = 0.125
 """A worker that has grown by more than this share of the memory limit is replaced after its computation."""
 _NEAR = 0.5
@@ -72,8 +75,10 @@ class Workers:
         """Return the limits of a computation that has none of its own."""
         return self._limits
 
-    def call(self, function: Callable[..., Any], *args: Any, client: str = "") -> Computation:
+    def call(self, function: Callable[..., Any], *args: Any, client: str = "", trusted: bool = False) -> Computation:
         """Submit a function of a module; a request for what is being computed already waits for the same result.
+
+        A trusted one has more time and does not give way: on a busy machine the library's experiments are opened, too.
 
         Raises Busy if the client has too many computations waiting.
         """
@@ -82,7 +87,8 @@ class Workers:
             known = self._shared.get(task)
             if known is not None and known.join():
                 return known
-            computation = Computation(client, task, self._limits)
+            limits = replace(self._limits, seconds=_PATIENCE * self._limits.seconds) if trusted else self._limits
+            computation = Computation(client, task, limits, trusted=trusted)
             self._shared[task] = computation
         computation.result.add_done_callback(lambda _: self._forget(computation))
         self._add(computation)
@@ -253,7 +259,8 @@ class Workers:
                 if seconds > MOMENT and turn.lane is self._quick and not self._stays(turn):
                     turn.again = True
                     return
-                process.give_way(max((nice for since, nice in _GIVE_WAY if seconds > since), default=0))
+                if not computation.trusted:
+                    process.give_way(max((nice for since, nice in _GIVE_WAY if seconds > since), default=0))
         except Gone as gone:
             turn.error = _why(gone, computation, grown)
         finally:
