@@ -26,11 +26,9 @@ def test_the_first_observer_costs_as_much_as_its_twin(monkeypatch):
     monkeypatch.setattr(running, "_MEASURED", 200_000)
     e = engine(observers=[adaptive(), adaptive("twin")], horizon=1000.0, evaluate=1.0)
     assert Simulation(e).joined
-    ratios = []
-    for _ in range(5):
-        found = run(e).costs
-        ratios.append(found["adaptive"] / found["twin"])
-    assert np.median(ratios) == pytest.approx(1, rel=0.25)
+    costs = [run(e).costs for _ in range(5)]
+    least = {name: min(one[name] for one in costs) for name in ("adaptive", "twin")}  # other programs only add to it
+    assert 0.6 < least["adaptive"] / least["twin"] < 1.6
 
 
 def test_one_observer_alone_is_measured_in_the_run_itself():

@@ -9,7 +9,7 @@ import hashlib
 import json
 import zlib
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -29,11 +29,13 @@ def _functions() -> dict[str, Callable]:
     the machine code of the other must exist until its call has ended.
     """
     engine = load("draws-" + platform_key(), ir_random.emit)
-    functions: dict[str, Callable] = {}
-    for name, kind in (("uniform", _ONE_STREAM), ("normal", _ONE_STREAM), ("normal_lanes", _EIGHT_STREAMS)):
-        functions[name] = function = kind(engine.get_function_address(name))
-        function.module = engine
-    return functions
+    kinds = {"uniform": _ONE_STREAM, "normal": _ONE_STREAM, "normal_lanes": _EIGHT_STREAMS}
+    return {name: partial(_call, engine, kind(engine.get_function_address(name))) for name, kind in kinds.items()}
+
+
+def _call(module: object, function: Callable[..., None], *args: int) -> None:
+    """Call a function of a module, which is referenced meanwhile."""
+    function(*args)
 
 
 @lru_cache(maxsize=8192)
