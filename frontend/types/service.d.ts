@@ -2070,7 +2070,7 @@ export interface RunLine {
 /** Runs, newest first, and figures of the store. */
 export interface RunList {
   runs: (RunLine)[];
-  store: {[name: string]: number};
+  store: RunUsage;
 }
 
 /** An experiment of the library, with values changed by path. */

@@ -81,8 +81,8 @@ function sensorDifferences(output, {correlation, period, missing, jitter, adds},
 export const perRoot = (unit) => `${/[/·*\s]/.test(unit) ? `(${unit})` : unit || '1'}/√s`;
 
 /**
- * How the simulated plant of an experiment differs from the model, in sentences: from the beginning, and at the end where
- * that changed meanwhile.
+ * How the simulated plant of an experiment differs from the model, in sentences: from the beginning, and at the end
+ * where that changed meanwhile.
  * @param {Pick<service.Experiment, 'truth' | 'commands'>} spec
  * @param {Plant | null} plant
  * @returns {string[]}

@@ -215,7 +215,7 @@ def test_a_document_leads_to_the_sign_in_page_and_back(shared):
 
 
 def test_signing_out_takes_the_cookie(shared):
-    """The browser is told to drop it."""
+    """The answer makes the browser drop it."""
     answer = shared.get("/sign-out", {"Cookie": shared.cookie()}, "POST")
     assert answer.status == 303 and "Max-Age=0" in answer.getheader("set-cookie")
 

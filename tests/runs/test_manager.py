@@ -1,5 +1,6 @@
 """Runs are functions of their specs: found, recomputed, cancelled, refused."""
 
+import json
 import time
 from dataclasses import replace
 
@@ -193,7 +194,7 @@ def test_an_invalid_expression_is_refused_with_its_field_in_the_experiment(start
 
 
 def test_a_run_that_the_end_of_the_service_cuts_off_is_computed_by_the_next(start):
-    """It waits in the store; who waits for it is told to come back. A cancelled one stays cancelled."""
+    """It waits in the store, and its client is refused until the next start. A cancelled one stays cancelled."""
     runs = start()
     job, given_up = runs.submit(long_spec()), runs.submit(long_spec(seed=1))
     runs.announce(job)
@@ -224,6 +225,22 @@ def test_a_run_during_which_two_services_crashed_fails(start):
     until(lambda: runs.get(ids[0]).status == "done")
     assert numbers(runs, ids[0]).shape[0] > 1 and runs.get(ids[0]).problem is None
     assert (runs.get(ids[1]).status, runs.get(ids[1]).problem.code) == ("failed", "run.interrupted")
+
+
+def test_a_run_that_cannot_be_resumed_fails_and_others_go_on(start):
+    """As where a later version has no such plant: the service starts all the same."""
+    runs = start()
+    lost, kept = (completed(runs, spec(seed=seed)).id for seed in (1, 2))
+    runs = start()
+    records = {id: runs._store.get(id) for id in (lost, kept)}
+    other = json.dumps(json.loads(records[lost].spec) | {"plant": "no-such-plant"})
+    for id, record in records.items():
+        runs._store.delete(id)
+        text = other if id == lost else record.spec
+        runs._store.put(replace(record, spec=text, status="queued", summary=None))
+    runs = start()
+    until(lambda: runs.get(kept).status == "done")
+    assert (runs.get(lost).status, runs.get(lost).problem.code) == ("failed", "run.interrupted")
 
 
 def test_a_removed_run_is_in_neither_memory_nor_store(start):

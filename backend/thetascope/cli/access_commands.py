@@ -18,7 +18,7 @@ _EVERYWHERE = ("", "0.0.0.0", "::")
 
 
 def key_command(new: bool, say: Words) -> int:
-    """Create an access key where there is none, or another one, and print it; else print since when there is one."""
+    """Create the first access key, or a new one, and print it; otherwise print when the present one was made."""
     settings = load()
     file = KeyFile(settings.data / FILE, settings.key)
     if file.is_chosen and not new:

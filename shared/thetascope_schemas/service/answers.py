@@ -11,6 +11,7 @@ from pydantic import Field, JsonValue
 
 from thetascope_schemas.experiment.base import Number, Strict
 from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.service.health import RunUsage
 from thetascope_schemas.service.lesson import Words
 from thetascope_schemas.service.run import Status
 
@@ -318,7 +319,7 @@ class RunList(Strict):
     """Runs, newest first, and figures of the store."""
 
     runs: tuple[RunLine, ...]
-    store: dict[str, int]
+    store: RunUsage
 
 
 class SessionOpened(Strict):

@@ -19,7 +19,7 @@ from thetascope.runs.jobs.store_writer import Writer
 from thetascope.runs.jobs.worker import Execution
 from thetascope.runs.results.engine_version import engine_version
 from thetascope.runs.specs.problem_documents import refused
-from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotOwner, NotReady, OverLimit, Unknown
+from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotOwner, NotReady, OverLimit, Refusal, Unknown
 from thetascope.runs.specs.resolve_spec import resolved
 from thetascope.runs.workers.pool import Workers
 from thetascope.settings import Settings
@@ -75,7 +75,7 @@ class RunManager:
     def _resumes(self, record: Record) -> bool:
         try:
             return self.submit(snapshot_of(record).spec, announced=True).id == record.id
-        except (ValidationError, InvalidSpec, Busy) as error:
+        except (ValidationError, InvalidSpec, Refusal) as error:
             log.warning("Run %s is not resumed: %s", record.id, error)
             return False
 

@@ -62,7 +62,7 @@ function outside(typed, low = -Infinity, high = Infinity) {
 }
 
 /**
- * A button that takes one difference back; it keeps its place while there is none.
+ * A button that takes one difference back; it keeps its place when nothing differs.
  * @param {string} name
  * @param {() => void} act
  */
