@@ -4,11 +4,14 @@ import os
 
 from hypothesis import HealthCheck, settings
 
+from thetascope.linear_algebra import use_one_thread
+
 settings.register_profile(
     "project", derandomize=True, database=None, deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("project")
 
+use_one_thread()
 os.environ.setdefault("THETASCOPE_PREPARE", "0")  # services that tests start compile what they are asked for
 # On a busy machine an honest computation takes longer than a service allows by default.
 os.environ.setdefault("THETASCOPE_JOB_SECONDS", "300")

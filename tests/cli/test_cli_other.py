@@ -9,6 +9,7 @@ import pytest
 import thetascope
 from tests.cli.conftest import ROOT
 from tests.runs.samples import PLANT
+from thetascope.linear_algebra import ONE_THREAD
 
 
 def test_version_is_that_of_the_package(call):
@@ -69,12 +70,14 @@ def test_check_points_at_the_error_in_the_text(call, tmp_path, old, new, place, 
 
 
 def loaded(arguments: list[str], heavy: set[str]) -> set[str]:
-    """Return the modules that a command has loaded when it ends successfully, in a separate process."""
+    """Return which modules a command has loaded when it ends successfully, in a separate process, and "threads" if that
+    process has more than one."""
     probe = (
-        "import sys, thetascope.cli.main\n"
+        "import os, sys, thetascope.cli.main\n"
         f"try: code = thetascope.cli.main.main({arguments})\n"
         "except SystemExit as leaving: code = leaving.code\n"
-        f"assert not code\nprint('LOADED', *({heavy} & set(sys.modules)))"
+        "threads = len(os.listdir('/proc/self/task')) if sys.platform == 'linux' else 1\n"
+        f"assert not code\nprint('LOADED', *({heavy} & set(sys.modules)), *['threads'] * (threads > 1))"
     )
     done = subprocess.run(
         [sys.executable, "-c", probe], cwd=ROOT, capture_output=True, text=True, timeout=300, check=False
@@ -90,8 +93,10 @@ def test_help_answers_without_loading_the_engine():
     assert "pydantic" in loaded(["list"], heavy)
 
 
-def test_a_run_does_not_load_the_web_service_or_plotly():
-    """Unused packages do not delay the start of the command line."""
+def test_a_run_does_not_load_the_web_service_or_plotly_and_uses_one_thread(monkeypatch):
+    """Unused packages do not delay the start of the command line, and no thread of linear algebra waits by spinning."""
+    for name in ONE_THREAD:
+        monkeypatch.delenv(name, raising=False)
     heavy = {"fastapi", "starlette", "uvicorn", "plotly", "llvmlite"}
     assert loaded(["run", "shen-hu-2015", "--set", "horizon=1", "--quiet"], heavy) == {"llvmlite"}
 

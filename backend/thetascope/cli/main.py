@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 from thetascope import __version__
 from thetascope.cli.argparse_words import translate_argparse
 from thetascope.cli.words import Words, chosen_language
+from thetascope.linear_algebra import use_one_thread
 from thetascope.messages import Message
 
 Value = TypeVar("Value")
@@ -24,6 +25,7 @@ COMPARISONS = (".csv", ".json")
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code."""
+    use_one_thread()
     arguments = sys.argv[1:] if arguments is None else arguments
     say = Words(chosen_language(arguments))
     translate_argparse(say.language)

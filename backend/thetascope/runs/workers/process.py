@@ -10,11 +10,10 @@ from threading import Lock
 from typing import Any
 
 from thetascope.engine.compiler import cache
+from thetascope.linear_algebra import ONE_THREAD
 from thetascope.runs.workers.child import data_bytes, receive, serve
 
 _START = "forkserver" if sys.platform != "win32" else "spawn"
-_ALONE = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-"""Several workers share the processors, so none starts threads of its own. Read when NumPy is imported."""
 _GRACE = 1.0
 """Seconds that a killed process may take to be gone."""
 _lock = Lock()  # processes are started and their exit codes are read by one thread at a time
@@ -44,9 +43,9 @@ class WorkerProcess:
     def __init__(self, memory: int) -> None:
         context = multiprocessing.get_context(_START)
         self._connection, other = context.Pipe()
-        environment = _ALONE | {"THETASCOPE_CACHE": str(cache.folder())}
+        environment = ONE_THREAD | {"THETASCOPE_CACHE": str(cache.folder())}
         self._process = context.Process(target=serve, args=(other, memory, environment), daemon=True)
-        with _lock, _environment(_ALONE):
+        with _lock, _environment(ONE_THREAD):
             self._process.start()
         other.close()
         self.nice, self._cpu = 0, 0.0
