@@ -84,8 +84,8 @@ def test_a_constant_offset_is_learnt(call):
 @pytest.mark.parametrize(
     ("spoil", "words"),
     [
-        (lambda c: c.pop("y.y_speed"), "y.y_speed"),
-        (lambda c: c.pop("t"), "the record has no column t or time"),
+        (lambda c: c.pop("y.y_speed"), "y_speed: no column holds this output"),
+        (lambda c: c.pop("t"), "there is no column of times"),
         (lambda c: c["t"].__setitem__(7, 0.0755), "equally spaced"),
         (lambda c: c["y.y_speed"].__setitem__(3, np.nan), "does not hold a number"),
         (lambda c: c.update({n: v[:50] for n, v in c.items()}), "50 rows, fewer than 200"),
@@ -102,8 +102,8 @@ def test_an_unsuitable_record_is_refused_with_the_position(call, spoil, words):
 
 def test_invalid_files_are_refused(call, tmp_path):
     """A cell that is not a number is named with its line; a missing plant or file is reported."""
-    (tmp_path / "a.csv").write_text("t,y\n0,1\n1,high\n")
-    assert "line 3" in call("diagnose", "friction-motor", "a.csv")[2]
+    (tmp_path / "a.csv").write_text("t,y_speed,y_acceleration\n0,1,1\n1,high,1\n")
+    assert "row 3 has “high”" in call("diagnose", "friction-motor", "a.csv")[2]
     assert "cannot be read" in call("diagnose", "friction-motor", "none.csv")[2]
     assert "did you mean" in call("diagnose", "friction-moter", "a.csv")[2]
 

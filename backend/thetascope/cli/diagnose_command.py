@@ -1,33 +1,37 @@
 """`thetascope diagnose`: find the faults in a record of a plant."""
 
 import argparse
+import sys
 from pathlib import Path
 
 import numpy as np
 
-from thetascope import library
-from thetascope.assembly.analyses.csv_columns import columns_of_csv
 from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, recording
+from thetascope.assembly.analyses.record_inspection import recording_in
+from thetascope.cli.inspect_command import assumed, inspected_record, mapping_of_options
 from thetascope.cli.terminal import number, table
 from thetascope.cli.words import Words
+from thetascope.diagnosis.recording import Recording
 from thetascope.engine.errors import SpecError
-from thetascope.messages import Message
+from thetascope.records.inspection import Inspected
+from thetascope.runs.specs.plant_files import plant_named
 from thetascope.runs.specs.refusals import from_engine, validated
-from thetascope.runs.specs.spec_files import DocumentError, read, unreadable
 from thetascope.settings import load
 from thetascope_schemas.experiment.diagnosis import Alarm, DiagnosisSettings, ObserverDiagnosis
 from thetascope_schemas.experiment.plant import Plant
+from thetascope_schemas.service.record_inspection import ColumnMapping
 
 _HEAD = ("alarm-at", "fault", "alternatives", "since", "blank", "size", "blank", "cleared")
 
 
 def diagnose_command(options: argparse.Namespace, say: Words) -> int:
     """Diagnose a recorded file; print the findings, and write them to a file if requested."""
-    plant = plant_named(options.plant)
+    plant = plant_named(options.plant, load().max_body)
     given = {"false_alarms": options.false_alarms, "doubt": options.doubt}
     settings = validated(DiagnosisSettings, {k: v for k, v in given.items() if v is not None})
     try:
-        diagnosis = diagnose_recording(plant, recording(plant, columns_of(options.data)), settings, options.learn)
+        columns = columns_of(*recording_of(plant, options.data, mapping_of_options(options), say))
+        diagnosis = diagnose_recording(plant, recording(plant, columns), settings, options.learn)
     except SpecError as error:
         raise from_engine(error) from None
     if options.json is not None:
@@ -36,24 +40,28 @@ def diagnose_command(options: argparse.Namespace, say: Words) -> int:
     return 0
 
 
-def plant_named(target: str) -> Plant:
-    """Return a plant of the library, or of a file."""
-    path = Path(target)
-    if not path.suffix and not path.exists():
-        return library.plant(target)
-    return validated(Plant, read(path, load().max_body).data)
-
-
-def columns_of(path: Path) -> dict[str, np.ndarray]:
-    """Return the columns of a CSV file with a header line. Raises DocumentError for a line that is not numbers."""
+def recording_of(plant: Plant, path: Path, mapping: ColumnMapping, say: Words) -> tuple[Inspected, Recording]:
+    """Return the recording in a file and what was found in it; print what is assumed on standard error."""
+    inspected = inspected_record(plant, path, mapping)
     try:
-        return columns_of_csv(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise unreadable(path, error) from None
-    except UnicodeDecodeError:
-        raise DocumentError(Message("document.no-csv-utf8", name=str(path))) from None
+        found = recording_in(inspected)
     except SpecError as error:
-        raise DocumentError(error.problem, name=str(path), remedy=error.remedy) from None
+        raise from_engine(error) from None
+    for line in assumed(inspected, say):
+        print(line, file=sys.stderr)
+    return inspected, found
+
+
+def columns_of(inspected: Inspected, found: Recording) -> dict[str, np.ndarray]:
+    """Return the columns of a recording that the file has, by the plant's names."""
+    columns = {"t": found.t}
+    prefixes = {"input": "u", "signal": "signal", "output": "y"}
+    for values, roles in ((found.u, ("input", "signal")), (found.y, ("output",))):
+        taken = [t for t in inspected.mapping.taken if t.quantity.role in roles]
+        for k, t in enumerate(taken):
+            if t.column is not None:
+                columns[f"{prefixes[t.quantity.role]}.{t.quantity.name}"] = values[:, k]
+    return columns
 
 
 def text(diagnosis: ObserverDiagnosis, say: Words) -> str:

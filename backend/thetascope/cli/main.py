@@ -1,4 +1,4 @@
-"""The command line: `thetascope serve | key | run | trial | diagnose | list | check`,
+"""The command line: `thetascope serve | key | run | trial | diagnose | inspect | list | check`,
 and `backup | restore | verify` for the store of runs.
 
 Exit codes: 0 done, 1 refused or failed (with the reason), 2 wrong usage, 130 interrupted. Commands import their modules
@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 from thetascope import __version__
 from thetascope.cli.argparse_words import translate_argparse
+from thetascope.cli.mapping_options import add_mapping_options
 from thetascope.cli.words import Words, chosen_language
 from thetascope.linear_algebra import use_one_thread
 from thetascope.messages import Message
@@ -115,12 +116,20 @@ def _judging(commands: Any, say: Words) -> None:
 
     diagnose = commands.add_parser("diagnose", help=say("cli.diagnose"), description=say("cli.diagnose.description"))
     diagnose.add_argument("plant", metavar="PLANT|PLANTFILE", help=say("cli.help.plant"))
-    diagnose.add_argument("data", metavar="DATA.csv", type=Path, help=say("cli.help.data"))
+    diagnose.add_argument("data", metavar="DATA", type=Path, help=say("cli.help.data"))
     diagnose.add_argument("--learn", type=float, default=0.0, metavar="S", help=say("cli.help.learn"))
     diagnose.add_argument("--false-alarms", type=float, metavar="RATE", help=say("cli.help.false-alarms"))
     diagnose.add_argument("--doubt", type=float, metavar="SHARE", help=say("cli.help.doubt"))
     diagnose.add_argument("--json", type=Path, metavar="FILE", help=say("cli.help.json"))
+    add_mapping_options(diagnose, say)
     diagnose.set_defaults(command=_diagnose)
+
+    inspect = commands.add_parser("inspect", help=say("cli.inspect"), description=say("cli.inspect.description"))
+    inspect.add_argument("plant", metavar="PLANT|PLANTFILE", help=say("cli.help.plant"))
+    inspect.add_argument("data", metavar="DATA", type=Path, help=say("cli.help.data"))
+    inspect.add_argument("--json", type=Path, metavar="FILE", help=say("cli.help.json-inspection"))
+    add_mapping_options(inspect, say)
+    inspect.set_defaults(command=_inspect)
 
 
 def _checked(convert: Callable[[str], Value], say: Words) -> Callable[[str], Value]:
@@ -172,6 +181,12 @@ def _diagnose(options: argparse.Namespace, say: Words) -> int:
     from thetascope.cli.diagnose_command import diagnose_command
 
     return diagnose_command(options, say)
+
+
+def _inspect(options: argparse.Namespace, say: Words) -> int:
+    from thetascope.cli.inspect_command import inspect_command
+
+    return inspect_command(options, say)
 
 
 def _serve(options: argparse.Namespace, say: Words) -> int:

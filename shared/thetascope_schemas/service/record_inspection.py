@@ -18,8 +18,20 @@ ColumnName = Annotated[str, Field(max_length=200)]
 Role = Literal["time", "input", "signal", "output", "unused"]
 ColumnKind = Literal["number", "datetime", "text", "empty", "constant", "index"]
 TimeUnit = Literal[
-    *("s", "ms", "us", "ns", "min", "h", "d"),
-    *("epoch-s", "epoch-ms", "epoch-us", "epoch-ns", "datetime", "clock", "spreadsheet-days"),
+    "s",
+    "ms",
+    "us",
+    "ns",
+    "min",
+    "h",
+    "d",
+    "epoch-s",
+    "epoch-ms",
+    "epoch-us",
+    "epoch-ns",
+    "datetime",
+    "clock",
+    "spreadsheet-days",
 ]
 """A unit of time, or a kind of times: seconds since 1970 and parts of it, dates with times, times of day, and days
 since the end of 1899 as spreadsheets count them."""

@@ -1,11 +1,22 @@
-"""Read an experiment file whose `plant` is a file beside it: for the command line, never for a request."""
+"""Read plants that the command line names: for itself, and beside an experiment; never for a request."""
 
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
+from thetascope import library
 from thetascope.messages import Message
+from thetascope.runs.specs.refusals import validated
 from thetascope.runs.specs.spec_files import Document, DocumentError, read
 from thetascope_schemas.experiment.experiment import names_a_file
+from thetascope_schemas.experiment.plant import Plant
+
+
+def plant_named(target: str, limit: int) -> Plant:
+    """Return a plant of the library by its id, or of a file of at most `limit` bytes. Raises DocumentError, Unknown."""
+    path = Path(target)
+    if not path.suffix and not path.exists():
+        return library.plant(target)
+    return validated(Plant, read(path, limit).data)
 
 
 def read_experiment(path: Path, limit: int) -> Document:

@@ -1,0 +1,1 @@
+"""What is peculiar about a record: one module per kind of finding."""

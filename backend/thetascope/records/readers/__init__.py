@@ -1,0 +1,1 @@
+"""One reader per file format: bytes → `Table`. Every size is checked before memory is reserved for it."""
