@@ -1,5 +1,6 @@
 """`thetascope list`, `check` and the start of the program."""
 
+import gc
 import json
 import subprocess
 import sys
@@ -9,7 +10,7 @@ import pytest
 import thetascope
 from tests.cli.conftest import ROOT
 from tests.runs.samples import PLANT
-from thetascope.linear_algebra import ONE_THREAD
+from thetascope.process_settings import BY_DEFAULT, ONE_THREAD
 
 
 def test_version_is_that_of_the_package(call):
@@ -99,6 +100,18 @@ def test_a_run_does_not_load_the_web_service_or_plotly_and_uses_one_thread(monke
         monkeypatch.delenv(name, raising=False)
     heavy = {"fastapi", "starlette", "uvicorn", "plotly", "llvmlite"}
     assert loaded(["run", "shen-hu-2015", "--set", "horizon=1", "--quiet"], heavy) == {"llvmlite"}
+
+
+def test_garbage_is_collected_rarely_until_a_service_has_started(call, monkeypatch):
+    """Imports are not searched again and again; a collection during a live session would be too long otherwise."""
+    usual, at_start = gc.get_threshold(), []
+    monkeypatch.setattr("thetascope.server.app.serve", lambda *_: at_start.append(gc.get_threshold()))
+    gc.set_threshold(*BY_DEFAULT)
+    call("--version")
+    rare = gc.get_threshold()
+    assert call("serve")[0] == 0
+    gc.set_threshold(*usual)
+    assert rare > BY_DEFAULT and at_start == [BY_DEFAULT]
 
 
 def test_serve_reports_an_unusable_store(process, tmp_path, monkeypatch):

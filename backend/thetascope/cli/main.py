@@ -15,8 +15,8 @@ from thetascope import __version__
 from thetascope.cli.argparse_words import translate_argparse
 from thetascope.cli.mapping_options import add_mapping_options
 from thetascope.cli.words import Words, chosen_language
-from thetascope.linear_algebra import use_one_thread
 from thetascope.messages import Message
+from thetascope.process_settings import collect_as_usual, collect_rarely, use_one_thread
 
 Value = TypeVar("Value")
 
@@ -27,6 +27,7 @@ COMPARISONS = (".csv", ".json")
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code."""
     use_one_thread()
+    collect_rarely()
     arguments = sys.argv[1:] if arguments is None else arguments
     say = Words(chosen_language(arguments))
     translate_argparse(say.language)
@@ -194,6 +195,7 @@ def _serve(options: argparse.Namespace, say: Words) -> int:
     from thetascope.server.app import Started, serve
     from thetascope.settings import load
 
+    collect_as_usual()
     settings = load(host=options.host, port=options.port, read_only=1 if options.read_only else None)
 
     def ready(started: Started) -> None:

@@ -1,5 +1,6 @@
 """The worker's side: receive a computation, carry it out within its limits, send the result."""
 
+import gc
 import logging
 import os
 import pickle
@@ -10,6 +11,7 @@ from queue import SimpleQueue
 from threading import Thread
 from typing import Any
 
+from thetascope.process_settings import collect_rarely
 from thetascope.runs.workers.limits import Limits
 
 try:
@@ -53,6 +55,8 @@ def serve(connection: Connection, memory: int, environment: dict[str, str]) -> N
         environment: variables to set first.
     """
     os.environ.update(environment)
+    gc.freeze()  # what was imported
+    collect_rarely()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the service, which ends its workers
     if hasattr(os, "nice"):
         os.nice(_NICE)

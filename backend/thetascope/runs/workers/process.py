@@ -10,7 +10,7 @@ from threading import Lock
 from typing import Any
 
 from thetascope.engine.compiler import cache
-from thetascope.linear_algebra import ONE_THREAD
+from thetascope.process_settings import ONE_THREAD
 from thetascope.runs.workers.child import data_bytes, receive, serve
 
 _START = "forkserver" if sys.platform != "win32" else "spawn"
