@@ -77,8 +77,10 @@ class Settings:
     max_wait: float = 60.0
     #: Largest body of a request and largest plant or experiment file.
     max_body: int = 2 * 1024**2
-    #: Largest record that is diagnosed.
+    #: Largest record that is diagnosed, and the room for uploaded ones in the store, packed; one client that needs the
+    #: access key may have a quarter of it.
     max_record: int = 64 * 1024**2
+    record_limit: int = 2 * 1024**3
     #: Largest run: integration steps (horizon / step), numbers recorded (bytes of the result).
     max_steps: int = 20_000_000
     max_result: int = 256 * 1024**2

@@ -271,6 +271,22 @@ export interface Clear {
 
 export type ClientMessage = Play | Pause | Step | Speed | Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | SetTruthNow | AddObserverNow | RemoveObserverNow | Reset | Seek | Batch;
 
+/** How columns become the time and the quantities of a plant; what is not given is guessed. */
+export interface ColumnMapping {
+  /** The times; null: the guess. */
+  time: TimeMapping | null;
+  /** By name of an input, known signal or output of the plant; others are guessed. */
+  quantities: {[name: string]: QuantityMapping};
+}
+
+/** How columns become the time and the quantities of a plant; what is not given is guessed. */
+export interface ColumnMappingInput {
+  /** The times; null: the guess. */
+  time?: TimeMappingInput | null;
+  /** By name of an input, known signal or output of the plant; others are guessed. */
+  quantities?: {[name: string]: QuantityMappingInput};
+}
+
 /** The columns change from this row on, because an observer was added or removed; a new epoch begins. */
 export interface Columns {
   type: 'columns';
@@ -1194,6 +1210,47 @@ export interface LessonQuestion {
   do: ({[name: string]: JsonValue})[];
 }
 
+/** An input, known signal or output of the plant, and the column that it is read from. */
+export interface MappedQuantity {
+  /** Its name in the plant. */
+  name: string;
+  role: 'input' | 'signal' | 'output';
+  /** Its unit in the plant. */
+  unit: string;
+  /** Its description in the plant. */
+  description: string;
+  /** Plausible range in the plant's unit. */
+  bounds: [number | null, number | null];
+  /** The column; null: the record has none. */
+  column: string | null;
+  /** The unit that its cells are taken to have. */
+  column_unit: string;
+  /** Units that can be chosen for its cells. */
+  units: (string)[];
+  /** The plant's value is factor · cell + offset. */
+  factor: number;
+  /** See `factor`. */
+  offset: number;
+  /** Smallest value in the plant's unit, without sentinels. */
+  low: number | null;
+  /** Largest value in the plant's unit, without sentinels. */
+  high: number | null;
+  /** Whether names or written units give the column; else it should be looked at. */
+  certain: boolean;
+  /** Why this column and this unit, or why none. */
+  reason: Text;
+  /** Another mapping that would fit better, or null. */
+  proposal: QuantityMapping | null;
+}
+
+/** The plant of a record, and what is to be changed in the guess. */
+export interface MappingRequest {
+  /** Id of a library plant, or a complete plant. */
+  plant: string | PlantInput;
+  /** Changes of the guess. */
+  mapping?: ColumnMappingInput;
+}
+
 /** Gaussian measurement noise of one output; each drawn value is held for the sample time. */
 export interface Noise {
   /** Standard deviation, in the output's unit. */
@@ -1701,6 +1758,21 @@ export interface PresentGains {
   labels: {[name: string]: {[name: string]: GainLabels}};
 }
 
+/** One curve for drawing: the smallest and largest value in each interval of time. */
+export interface PreviewSeries {
+  /** The plant's quantity, or the name of an unused column. */
+  name: string;
+  role: 'time' | 'input' | 'signal' | 'output' | 'unused';
+  /** The column of the file. */
+  column: string | null;
+  /** Unit of the values. */
+  unit: string;
+  /** Smallest value in each interval; null: it has no data. */
+  low: (number | null)[];
+  /** Largest value in each interval; null: it has no data. */
+  high: (number | null)[];
+}
+
 /** A refusal or failure as application/problem+json (RFC 9457), with its sentences in the requested language. */
 export interface Problem {
   /** URI reference of the problem type. */
@@ -1844,6 +1916,30 @@ export interface QuantisationFaultInput {
   resolution: number;
 }
 
+/** The column from which an input, signal or output of the plant is read. */
+export interface QuantityMapping {
+  /** Name of the column; null: the record has none. */
+  column: string | null;
+  /** Unit of the column; null: the one in the file, or the plant's. */
+  unit: string | null;
+  /** Instead of a unit: the plant's value is factor · cell + offset. */
+  factor: number | null;
+  /** See `factor`; null: 0. */
+  offset: number | null;
+}
+
+/** The column from which an input, signal or output of the plant is read. */
+export interface QuantityMappingInput {
+  /** Name of the column; null: the record has none. */
+  column?: string | null;
+  /** Unit of the column; null: the one in the file, or the plant's. */
+  unit?: string | null;
+  /** Instead of a unit: the plant's value is factor · cell + offset. */
+  factor?: number | null;
+  /** See `factor`; null: 0. */
+  offset?: number | null;
+}
+
 /** θ rises linearly to `size` over `duration`, then is constant. */
 export interface RampFault {
   /** Time in s at which the fault appears. */
@@ -1958,6 +2054,145 @@ export interface Record {
   learn?: number;
   /** Settings of the diagnosis. */
   diagnosis?: DiagnosisSettingsInput;
+}
+
+/** A column of the file. */
+export interface RecordColumn {
+  /** Its name in the file, or col1, col2, … where the file has none. */
+  name: string;
+  /** Its place in the file, from 1 on. */
+  position: number;
+  /** Its content; `constant` numbers never change, `index` counts the rows. */
+  kind: 'number' | 'datetime' | 'text' | 'empty' | 'constant' | 'index';
+  /** Its unit as the file writes it; empty: none is written. */
+  unit: string;
+  /** Where the unit is written: in the name, in a line below, or in the file's metadata. */
+  unit_from: 'head' | 'second-line' | 'file' | '';
+  /** Its first cells that are not empty, shortened. */
+  first: (string)[];
+  /** Smallest number, sentinels included; null: there are no numbers. */
+  low: number | null;
+  /** Largest number; null: there are no numbers. */
+  high: number | null;
+  /** Empty cells and cells such as NaN. */
+  missing: number;
+  /** What it is used as. */
+  role: 'time' | 'input' | 'signal' | 'output' | 'unused';
+  /** The plant's quantity that is read from it; empty: none. */
+  target: string;
+  /** Why it is not used, or null. */
+  note: Text | null;
+}
+
+/** A peculiarity of the record, and how it is treated. */
+export interface RecordFinding {
+  /** Id within the inspection. */
+  id: string;
+  /** Its kind: gap, jitter, repeated, reversed, sentinel, missing, frozen, … */
+  kind: string;
+  /** note: nothing is changed; changed: rows or cells are; doubtful: probably a mistake; wrong: no diagnosis is possible. */
+  severity: 'note' | 'changed' | 'doubtful' | 'wrong';
+  /** The plant's quantity that it concerns, or null. */
+  quantity: string | null;
+  /** The column of the file that it concerns, or null. */
+  column: string | null;
+  /** Number of rows or cells. */
+  count: number;
+  /** The first few of these rows, as numbered in the file. */
+  rows: (number)[];
+  /** Their times in s, for marks in the picture. */
+  times: (number)[];
+  /** Time in s at which it ends, if it is one stretch; else null. */
+  until: number | null;
+  /** The finding. */
+  text: Text;
+  /** What is done about it, or what to do. */
+  treatment: Text | null;
+  /** A part of a ColumnMapping that would remove it, such as {time: {unit: min}}, or null. */
+  proposal: JsonValue;
+}
+
+/** A record as it was read: columns, mapping, peculiarities, and what was looked for and not found. */
+export interface RecordInspection {
+  /** Hash of the file; empty if it is not stored. */
+  id: string;
+  /** Name of the file. */
+  name: string;
+  /** Its format: csv, xlsx, parquet, … */
+  format: string;
+  /** Format, separator, encoding and the like. */
+  dialect: Text;
+  /** Bytes of the file. */
+  size: number;
+  /** Rows of data, after repeated ones were dropped. */
+  rows: number;
+  /** Id of the plant; empty: none was chosen, and nothing is mapped. */
+  plant: string;
+  /** The times; null: there is neither a column of times nor a period. */
+  times: RecordTimes | null;
+  /** All columns of the file in their order. */
+  columns: (RecordColumn)[];
+  /** The plant's inputs, signals and outputs, in this order. */
+  quantities: (MappedQuantity)[];
+  /** The mapping that is in effect, complete. */
+  mapping: ColumnMapping;
+  /** What was found, in the order of time. */
+  findings: (RecordFinding)[];
+  /** What was looked for and not found. */
+  checked: (Text)[];
+  /** How the record's length and period compare with the plant's time constants, or null. */
+  plant_text: Text | null;
+  /** Why the record cannot be diagnosed yet, or null. */
+  problem: Text | null;
+  /** Whether it can be diagnosed. */
+  ready: boolean;
+  /** Addresses of its parts. */
+  links: {[name: string]: string};
+}
+
+/** A record in a list. */
+export interface RecordLine {
+  id: string;
+  name: string;
+  /** Bytes of the file. */
+  size: number;
+  /** Seconds since 1970 of the last change of its plant or mapping. */
+  changed: number;
+  links: {[name: string]: string};
+}
+
+/** The records of a client. */
+export interface RecordList {
+  records: (RecordLine)[];
+}
+
+/** A record in intervals of time, for drawing. */
+export interface RecordPreview {
+  /** Beginnings of the intervals in s. */
+  t: (number)[];
+  /** Length of an interval in s. */
+  interval: number;
+  /** Shortest and longest time in s from row to row in each interval. */
+  steps: {[name: string]: (number | null)[]};
+  series: (PreviewSeries)[];
+}
+
+/** The times of a record in numbers. */
+export interface RecordTimes {
+  /** Date and time of the first row, if the file has dates. */
+  begin: string | null;
+  /** Time in s from the first to the last row. */
+  duration: number;
+  /** Median of the times in s from row to row. */
+  period: number;
+  /** Shortest time in s from row to row. */
+  shortest: number;
+  /** Longest time in s from row to row. */
+  longest: number;
+  /** Usual deviation from the period, as a share of it. */
+  jitter: number;
+  /** Whether the rows were in reversed order. */
+  turned: boolean;
 }
 
 /** A command was refused; nothing has changed. */
@@ -2730,6 +2965,26 @@ export interface Text {
   args: {[name: string]: JsonValue};
   /** The sentence in the requested language. */
   text: string;
+}
+
+/** The times of the rows: a column, or a period for rows without one. */
+export interface TimeMapping {
+  /** The column of times; null: none, the period is used. */
+  column: string | null;
+  /** Unit of the column; null: the guess. */
+  unit: 's' | 'ms' | 'us' | 'ns' | 'min' | 'h' | 'd' | 'epoch-s' | 'epoch-ms' | 'epoch-us' | 'epoch-ns' | 'datetime' | 'clock' | 'spreadsheet-days' | null;
+  /** Time in s from row to row, if there is no column of times. */
+  period: number | null;
+}
+
+/** The times of the rows: a column, or a period for rows without one. */
+export interface TimeMappingInput {
+  /** The column of times; null: none, the period is used. */
+  column?: string | null;
+  /** Unit of the column; null: the guess. */
+  unit?: 's' | 'ms' | 'us' | 'ns' | 'min' | 'h' | 'd' | 'epoch-s' | 'epoch-ms' | 'epoch-us' | 'epoch-ns' | 'datetime' | 'clock' | 'spreadsheet-days' | null;
+  /** Time in s from row to row, if there is no column of times. */
+  period?: number | null;
 }
 
 /** One line of a panel: a column, or the difference of two. */

@@ -1,6 +1,7 @@
 """Stores that released versions wrote. `released/schema-1.sqlite` was written by the service when the schema had
 version 1: a pinned run with its result, a cancelled run, and one that a kill -9 of the service cut off. The CSV is the
-answer of that service to /api/runs/{id}/data."""
+answer of that service to /api/runs/{id}/data. `schema-2.sqlite` was written by the command line: a pinned run with two
+owners, and the CSV that `thetascope run --out` wrote."""
 
 import shutil
 import sqlite3
@@ -11,7 +12,7 @@ import pytest
 
 from thetascope.export import csv_chunks, select
 from thetascope.runs.jobs.store_rows import snapshot_of
-from thetascope.store import Database, RunStore, StoreError
+from thetascope.store import Database, RecordStore, RunStore, StoreError
 
 RELEASED = Path(__file__).parent / "released"
 DONE, CANCELLED, QUEUED = (
@@ -20,6 +21,9 @@ DONE, CANCELLED, QUEUED = (
     "9b2e67eb63ef710837019ce72a8ddde7",
 )
 ENGINE = "b079398157ae2a57"
+
+
+SECOND, SECOND_ENGINE = "05f45b405b189d91bdd48a73a8214d70", "924a0d9d16f6572c"
 
 
 @pytest.fixture
@@ -47,16 +51,30 @@ def test_a_store_of_schema_1_opens_with_all_its_runs_and_numbers(path):
     database.close()
 
 
+def test_a_store_of_schema_2_keeps_runs_owners_and_numbers(tmp_path):
+    """Its pinned run has its owners and the CSV of that time; tables of records are there, and empty."""
+    database = Database(Path(shutil.copy(RELEASED / "schema-2.sqlite", tmp_path / "runs.sqlite")))
+    store = RunStore(database, 10**9)
+    (run,) = store.page()
+    assert (run.id, run.status, run.pinned, run.damaged) == (SECOND, "done", True, False)
+    assert store.owners(SECOND) == {"browser-1", "machine"}
+    result = store.get_result(SECOND, SECOND_ENGINE)
+    assert b"".join(csv_chunks(select(result))) == (RELEASED / "schema-2.csv").read_bytes()
+    assert RecordStore(database).page(None, 10) == [] and RecordStore(database).usage() == 0
+    database.close()
+
+
 def test_an_upgraded_store_has_the_schema_of_a_new_one(path, tmp_path):
     """Columns and indexes are equal, so that later versions need to know one schema only."""
     schemas = []
-    for place in (path, tmp_path / "new.sqlite"):
+    second = Path(shutil.copy(RELEASED / "schema-2.sqlite", tmp_path / "second.sqlite"))
+    for place in (path, second, tmp_path / "new.sqlite"):
         database = Database(place)
         with database.reading() as connection:
             query = "SELECT type, name, tbl_name, sql FROM sqlite_master ORDER BY name"
             schemas.append([tuple(row) for row in connection.exec_driver_sql(query)])
         database.close()
-    assert schemas[0] == schemas[1] and len(schemas[0]) > 5
+    assert schemas[0] == schemas[1] == schemas[2] and len(schemas[0]) > 5
 
 
 def test_a_damaged_file_of_schema_1_is_refused_and_unchanged(path):

@@ -25,16 +25,16 @@ from thetascope.api.operation.metrics import Metrics
 from thetascope.api.operation.request_log import RequestLog
 from thetascope.api.routes import (
     catalogue,
-    equations,
-    gain_defaults,
     lessons,
     messages,
     plants,
+    record_files,
     records,
     run_results,
     runs,
     sessions,
 )
+from thetascope.api.routes.models import equations, gain_defaults
 from thetascope.api.sign_in.require_key import RequireKey
 from thetascope.engine.compiler import cache
 from thetascope.server import connections, prewarm
@@ -113,6 +113,7 @@ def _api() -> APIRouter:
         gain_defaults,
         lessons,
         messages,
+        record_files,
         records,
         runs,
         run_results,

@@ -15,13 +15,20 @@ from pathlib import Path
 from sqlalchemy import Connection, Table, delete, func, insert, select
 
 from thetascope.messages import Message
+from thetascope.store.backends.sqlite import SQLite
 from thetascope.store.database import Database, backend_of
 from thetascope.store.errors import StoreError
-from thetascope.store.sqlite import SQLite
-from thetascope.store.tables import OWNERS, RESULTS, RUNS, has_result, is_whole
+from thetascope.store.record_store import has_record
+from thetascope.store.tables import OWNERS, RECORD_SHARES, RECORDS, RESULTS, RUNS, has_result, is_whole
 from thetascope.store.verification import Verification, verify
 
-_WHOLE = {RUNS: is_whole, RESULTS: has_result, OWNERS: lambda row: True}
+_WHOLE = {
+    RUNS: is_whole,
+    RESULTS: has_result,
+    OWNERS: lambda row: True,
+    RECORDS: has_record,
+    RECORD_SHARES: lambda row: True,
+}
 _COMPANIONS = ("", "-wal", "-shm")
 """Endings of the files of an SQLite store."""
 

@@ -8,9 +8,9 @@ from typing import Any
 
 from sqlalchemy import select, text
 
+from thetascope.store.backends.sqlite import SQLite
 from thetascope.store.database import Database
 from thetascope.store.errors import StoreError
-from thetascope.store.sqlite import SQLite
 from thetascope.store.tables import RUNS
 
 log = logging.getLogger(__name__)

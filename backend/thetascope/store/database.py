@@ -9,10 +9,10 @@ from sqlalchemy import Connection, make_url
 from sqlalchemy.exc import ArgumentError, DBAPIError, SQLAlchemyError
 
 from thetascope.messages import Message
+from thetascope.store.backends.postgresql import PostgreSQL
+from thetascope.store.backends.sqlite import SQLite
 from thetascope.store.errors import StoreError
 from thetascope.store.migrations import MIGRATIONS
-from thetascope.store.postgresql import PostgreSQL
-from thetascope.store.sqlite import SQLite
 
 Backend = SQLite | PostgreSQL
 

@@ -55,4 +55,22 @@ MIGRATIONS: tuple[tuple[str | Callable[[Connection], None], ...], ...] = (
         "CREATE INDEX owners_owner ON owners (owner)",
         add_checksums,
     ),
+    (
+        """CREATE TABLE records (
+            id TEXT PRIMARY KEY,
+            size INTEGER NOT NULL,
+            created REAL NOT NULL,
+            data BLOB NOT NULL
+        )""",
+        """CREATE TABLE record_shares (
+            record TEXT NOT NULL,
+            owner TEXT NOT NULL,
+            name TEXT NOT NULL,
+            plant TEXT,
+            mapping TEXT,
+            changed REAL NOT NULL,
+            PRIMARY KEY (record, owner)
+        )""",
+        "CREATE INDEX record_shares_owner ON record_shares (owner)",
+    ),
 )

@@ -65,6 +65,28 @@ OWNERS = Table(
     Column("owner", Text, primary_key=True),
 )
 
+#: Files of records: the id is the hash of the unpacked bytes, and so their checksum. They cannot be computed again.
+RECORDS = Table(
+    "records",
+    METADATA,
+    Column("id", Text, primary_key=True),
+    Column("size", BigInteger, nullable=False),
+    Column("created", Float, nullable=False),
+    Column("data", Blob, nullable=False),
+)
+
+#: What each owner calls a record, and its plant and mapping as JSON.
+RECORD_SHARES = Table(
+    "record_shares",
+    METADATA,
+    Column("record", Text, primary_key=True),
+    Column("owner", Text, primary_key=True),
+    Column("name", Text, nullable=False),
+    Column("plant", Text),
+    Column("mapping", Text),
+    Column("changed", Float, nullable=False),
+)
+
 
 def checksum(*parts: object) -> str:
     """Return the SHA-256 of texts, bytes, numbers and None, in hexadecimal digits. Types and lengths count, too."""

@@ -8,7 +8,8 @@ from thetascope.messages import Message
 from thetascope.store.damaged_rows import rows_one_by_one
 from thetascope.store.database import Database
 from thetascope.store.errors import StoreError
-from thetascope.store.tables import RESULTS, has_result, has_spec, is_whole
+from thetascope.store.record_store import has_record
+from thetascope.store.tables import RECORDS, RESULTS, has_result, has_spec, is_whole
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,29 @@ def verify(database: Database) -> Verification:
         results += 1
         if not _is_readable(database, id, engine):
             defects.append(Message("store.defect.result", id=_shown(id)))
+    wrong = [id for id in _records(database, defects) if not _is_record(database, id)]
+    defects += [Message("store.defect.record", id=_shown(id)) for id in wrong]
     return Verification(runs, results, tuple(defects))
+
+
+def _records(database: Database, defects: list[Message]) -> list[str]:
+    """Return the ids of all uploaded records; add the defect if they cannot be listed."""
+    try:
+        with database.reading() as connection:
+            return list(connection.execute(select(RECORDS.c.id)).scalars())
+    except StoreError as error:
+        defects.append(error.problem)
+        return []
+
+
+def _is_record(database: Database, id: str) -> bool:
+    """Return whether a record has the bytes that its id says."""
+    try:
+        with database.reading() as connection:
+            row = connection.execute(select(RECORDS).where(RECORDS.c.id == id)).one_or_none()
+    except StoreError:
+        return False
+    return row is None or has_record(row)  # None: it was removed meanwhile
 
 
 def _structure(database: Database) -> list[str]:

@@ -58,6 +58,22 @@ class ExperimentList(Strict):
     experiments: tuple[ExperimentLine, ...]
 
 
+class RecordLine(Strict):
+    """A record in a list."""
+
+    id: str
+    name: str
+    size: int = Field(description="Bytes of the file.")
+    changed: Number = Field(description="Seconds since 1970 of the last change of its plant or mapping.")
+    links: dict[str, str]
+
+
+class RecordList(Strict):
+    """The records of a client."""
+
+    records: tuple[RecordLine, ...]
+
+
 class GainForm(Strict):
     """A gain of an observer: its meaning, default and bounds."""
 

@@ -11,6 +11,7 @@ from thetascope.runs.specs.run_requests import RunRequest
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.record import Record
+from thetascope_schemas.service.record_inspection import MappingRequest
 from thetascope_schemas.service.run import Problem
 
 SCHEMES = {
@@ -26,7 +27,7 @@ SCHEMES = {
 """Ways to show the access key. A service on loopback, and one with THETASCOPE_OPEN=1, asks for none of them."""
 _NO_KEY = ("/api/health/live",)
 
-BODIES = (Experiment, Plant, Record, RunRequest, SessionRequest, ForkRequest, EquationsRequest, Problem)
+BODIES = (Experiment, Plant, Record, MappingRequest, RunRequest, SessionRequest, ForkRequest, EquationsRequest, Problem)
 _ANY = {"description": "Another refusal, or an internal error (500).", "content": PROBLEM}
 
 

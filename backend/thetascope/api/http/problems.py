@@ -13,6 +13,7 @@ from starlette.responses import Response
 from thetascope.api.http.language import language_of
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message, words
+from thetascope.runs.records.record_files import NoRoom
 from thetascope.runs.specs.problem_documents import problem, refused
 from thetascope.runs.specs.refusals import (
     Busy,
@@ -103,7 +104,16 @@ async def _body(request: Request, error: BodyProblem) -> Response:
 
 
 async def _refusal(request: Request, error: Refusal) -> Response:
-    statuses = {Unknown: 404, Busy: 503, OverLimit: 429, NotOwner: 403, NotReady: 409, LimitReached: 422, Crashed: 500}
+    statuses = {
+        Unknown: 404,
+        Busy: 503,
+        OverLimit: 429,
+        NotOwner: 403,
+        NoRoom: 413,
+        NotReady: 409,
+        LimitReached: 422,
+        Crashed: 500,
+    }
     status = statuses.get(type(error), 409)
     document = problem(status, error.problem, error.remedy, language_of(request), request.url.path)
     wait = error.retry if isinstance(error, OverLimit) else 2

@@ -8,11 +8,12 @@ from fastapi import Depends, Request
 
 from thetascope.live.scheduling.hub import Hub
 from thetascope.runs.jobs.manager import RunManager
+from thetascope.runs.records.record_files import RecordFiles
 from thetascope.runs.workers.limits import Limits
 from thetascope.runs.workers.pool import Workers
 from thetascope.runs.workers.process import preload
 from thetascope.settings import Settings
-from thetascope.store import Database, RunStore
+from thetascope.store import Database, RecordStore, RunStore
 
 PRELOADED = ("sympy", "thetascope.live.session.session", "thetascope.assembly.analyses.record_diagnosis")
 """Modules that workers have imported when they start."""
@@ -20,13 +21,14 @@ PRELOADED = ("sympy", "thetascope.live.session.session", "thetascope.assembly.an
 
 @dataclass(frozen=True)
 class Services:
-    """The settings, the workers, the run manager, the live sessions and the store's database of one application."""
+    """The settings, workers, runs, live sessions, uploaded records and the store's database of one application."""
 
     settings: Settings
     workers: Workers
     runs: RunManager
     live: Hub
     database: Database
+    records: RecordFiles
 
     @classmethod
     def start(
@@ -45,7 +47,8 @@ class Services:
         workers = Workers(settings.workers, limits, settings.queue)
         runs = RunManager(settings, RunStore(database, settings.store_limit), workers, run_ended)
         runs.resume()
-        return cls(settings, workers, runs, Hub(settings, workers), database)
+        records = RecordFiles(RecordStore(database), settings.record_limit)
+        return cls(settings, workers, runs, Hub(settings, workers), database, records)
 
     def end_computations(self) -> None:
         """End the active runs, all other computations and their processes."""

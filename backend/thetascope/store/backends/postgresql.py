@@ -7,7 +7,7 @@ from sqlalchemy import URL, Connection, Engine, create_engine, text
 from sqlalchemy.exc import DBAPIError
 
 from thetascope.messages import Message
-from thetascope.store.owner_file import identity
+from thetascope.store.backends.owner_file import identity
 
 _TYPES = {"REAL": "DOUBLE PRECISION", "BLOB": "BYTEA", "INTEGER": "BIGINT"}
 _MIGRATING = 0x7468657461  # key of the lock that is held during a migration

@@ -8,8 +8,8 @@ from sqlalchemy.exc import DBAPIError
 from sqlalchemy.pool import NullPool
 
 from thetascope.messages import Message
+from thetascope.store.backends.owner_file import OwnerFile
 from thetascope.store.errors import StoreError
-from thetascope.store.owner_file import OwnerFile
 
 _SETTINGS = (
     "page_size = 8192",  # applies to a new file; results are megabytes
