@@ -34,6 +34,11 @@ def test_a_file_is_uploaded_mapped_and_drawn(client):
     first = upload(client, csv())
     assert first["rows"] == 300 and first["plant"] == "" and not first["ready"] and first["quantities"] == []
     assert [c["name"] for c in first["columns"]] == ["Time (s)", "Flow", "Level (m)"]
+    plain = client.get(f"{first['links']['preview']}?intervals=10")
+    assert [(s["name"], s["unit"], s["role"]) for s in plain["series"]] == [
+        ("Flow", "", "unused"),
+        ("Level (m)", "m", "unused"),
+    ]
     path = first["links"]["mapping"]
     mapped = client.post(path, {"plant": TANK})
     assert mapped["ready"] and mapped["times"]["period"] == 1 and mapped["id"] == first["id"]

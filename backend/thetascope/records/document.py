@@ -1,6 +1,7 @@
 """An inspection as it is sent: `RecordInspection`, and the curves of `RecordPreview`."""
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +28,8 @@ from thetascope_schemas.service.record_inspection import (
     Role,
     TimeMapping,
 )
+
+_MOST_CURVES = 40
 
 
 @dataclass(frozen=True)
@@ -192,10 +195,10 @@ def _findings(inspected: Inspected) -> tuple[RecordFinding, ...]:
 
 
 def preview_of(inspected: Inspected, intervals: int, in_file_units: bool = False) -> RecordPreview:
-    """Return the smallest and largest value of each quantity in equal intervals of time.
+    """Return the smallest and largest values in equal intervals of time.
 
     Args:
-        inspected: of a record with times.
+        inspected: of a record with times; without a plant all columns of numbers are drawn.
         intervals: their number, at most that of the rows.
         in_file_units: whether values are the file's cells, else they are in the plant's units.
     """
@@ -205,29 +208,36 @@ def preview_of(inspected: Inspected, intervals: int, in_file_units: bool = False
     count = max(1, min(intervals, len(t)))
     length = float(t[-1] - t[0]) / count
     bins = np.minimum(((t - t[0]) / length).astype(int), count - 1)
+    curves = _of_quantities(inspected, in_file_units) if inspected.mapping.taken else _of_columns(inspected)
     series = []
+    for name, role, column, unit, values in curves:
+        low, high = _ends(values, bins, count)
+        series.append(PreviewSeries(name=name, role=role, column=column, unit=unit, low=low, high=high))
+    shortest, longest = _ends(np.append(np.diff(t), np.nan), bins, count)
+    starts = tuple(float(t[0] + length * k) for k in range(count))
+    return RecordPreview(t=starts, interval=length, steps={"low": shortest, "high": longest}, series=tuple(series))
+
+
+Curve = tuple[str, Role, str | None, str, np.ndarray]
+"""Name, use, column, unit and values of a curve."""
+
+
+def _of_quantities(inspected: Inspected, in_file_units: bool) -> Iterator[Curve]:
     for taken in inspected.mapping.taken:
         values = inspected.values.get(taken.quantity.name)
         if values is None:
             continue
         if in_file_units and taken.factor:
             values = (values - taken.offset) / taken.factor
-        low, high = _ends(values, bins, count)
         unit = taken.unit if in_file_units else taken.quantity.unit
-        role = taken.quantity.role
-        series.append(
-            PreviewSeries(
-                name=taken.quantity.name,
-                role=role,
-                column=taken.column,
-                unit=unit,
-                low=low,
-                high=high,
-            )
-        )
-    shortest, longest = _ends(np.append(np.diff(t), np.nan), bins, count)
-    starts = tuple(float(t[0] + length * k) for k in range(count))
-    return RecordPreview(t=starts, interval=length, steps={"low": shortest, "high": longest}, series=tuple(series))
+        yield taken.quantity.name, taken.quantity.role, taken.column, unit, values
+
+
+def _of_columns(inspected: Inspected) -> Iterator[Curve]:
+    columns = [c for c in inspected.table.columns if c.kind == "number" and c.name != inspected.mapping.time.column]
+    for column in columns[:_MOST_CURVES]:
+        unit = split_unit(column.name)[1] or column.unit
+        yield column.name, "unused", column.name, unit, column.values[inspected.order.index]
 
 
 def _ends(

@@ -35,9 +35,9 @@ def inspect_file(
 
 
 def preview_file(
-    name: str, data: bytes, plant: Plant, mapping: ColumnMapping | None, intervals: int, in_file_units: bool
+    name: str, data: bytes, plant: Plant | None, mapping: ColumnMapping | None, intervals: int, in_file_units: bool
 ) -> RecordPreview:
-    """Return the curves of a file for drawing. Raises SpecError."""
+    """Return the curves of a file for drawing: the plant's quantities, without a plant all columns of numbers."""
     return preview_of(inspected_file(name, data, plant, mapping), intervals, in_file_units)
 
 
