@@ -123,7 +123,7 @@ def _values(taken: Taken, work: _Work, facts: PlantFacts) -> np.ndarray:
             name=name,
             n=int(flags.sum()),
             values=[float(v) for v in np.unique(cells[flags])[:3]],
-            lines=lines_text(marks["lines"], int(flags.sum())),
+            lines=lines_text(rows.lines[flags]),
         )
         treatment = Message(f"record.treatment.{'held' if quantity.role != 'output' else 'missing'}")
         work.findings.append(Finding("sentinel", "changed", text, treatment, name, column.name, **marks))
@@ -161,7 +161,7 @@ def _missing(taken: Taken, name: str, missing: np.ndarray, work: _Work) -> Findi
     n = int(missing.sum())
     code = "record.finding.words" if words else "record.finding.missing"
     args = {"words": words} if words else {}
-    text = Message(code, name=taken.quantity.name, n=n, lines=lines_text(marks["lines"], n), **args)
+    text = Message(code, name=taken.quantity.name, n=n, lines=lines_text(work.rows.lines[missing]), **args)
     treatment = Message(f"record.treatment.{'held' if taken.quantity.role != 'output' else 'missing'}")
     return Finding("missing", "changed", text, treatment, taken.quantity.name, name, **marks)
 

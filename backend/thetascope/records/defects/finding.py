@@ -11,6 +11,7 @@ from thetascope_schemas.service.record_inspection import Severity
 
 MOST = 10
 """Rows that a finding names."""
+_MOST_RANGES = 6
 
 
 @dataclass(frozen=True)
@@ -53,15 +54,19 @@ def stretches(flags: np.ndarray) -> list[tuple[int, int]]:
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def lines_text(lines: Sequence[int], count: int) -> str:
-    """Return line numbers for a sentence: ranges are joined, and those beyond the first few are left out."""
+def lines_text(lines: Sequence[int] | np.ndarray) -> str:
+    """Return line numbers for a sentence: ranges are joined, and those beyond the first six are left out."""
     parts: list[str] = []
     begin = last = None
-    for line in [*lines, None]:
+    for line in lines:
         if last is not None and line == last + 1:
             last = line
             continue
         if begin is not None:
             parts.append(f"{begin}" if begin == last else f"{begin}–{last}")
+        if len(parts) > _MOST_RANGES:
+            return ", ".join(parts[:_MOST_RANGES]) + " …"
         begin = last = line
-    return ", ".join(parts[:6]) + (" …" if count > len(lines) or len(parts) > 6 else "")
+    if begin is not None:
+        parts.append(f"{begin}" if begin == last else f"{begin}–{last}")
+    return ", ".join(parts[:_MOST_RANGES]) + (" …" if len(parts) > _MOST_RANGES else "")

@@ -109,5 +109,5 @@ def spikes(values: np.ndarray, rows: Rows, name: str, column: str | None) -> lis
     if not 0 < len(places) <= max(1, _MOST_SPIKES * len(y)):
         return []
     marks = rows.marks(places)
-    text = Message("record.finding.spikes", name=name, n=len(places), lines=lines_text(marks["lines"], len(places)))
+    text = Message("record.finding.spikes", name=name, n=len(places), lines=lines_text(rows.lines[places]))
     return [Finding("spikes", "note", text, Message("record.treatment.spikes"), name, column, **marks)]

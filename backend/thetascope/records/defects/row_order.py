@@ -107,7 +107,7 @@ def _finding(
     marks: dict[str, Any] = rows.marks(places)
     if dropped:
         marks["times"] = ()
-    text = Message(f"record.finding.{kind}", n=len(places), lines=lines_text(marks["lines"], len(places)))
+    text = Message(f"record.finding.{kind}", n=len(places), lines=lines_text(rows.lines[places]))
     return Finding(kind, severity, text, _done(kind), None, column, **marks)
 
 

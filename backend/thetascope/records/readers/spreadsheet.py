@@ -13,6 +13,7 @@ from thetascope.records.table import MOST_CELLS, Table, check_size
 from thetascope.records.text.csv_table import table_of_text
 
 _SHEETS = 50
+_MOST_ROWS = 1_048_576  # of a sheet, in any program that writes them
 
 
 def read_xlsx(name: str, data: bytes) -> Table:
@@ -40,20 +41,25 @@ def read_xlsx(name: str, data: bytes) -> Table:
 
 def _lines(rows: Iterator[tuple[Any, ...]]) -> list[str]:
     """Return rows as lines of text, cells apart by tabs, all of the same width; empty rows are empty lines."""
-    texts: list[list[str]] = []
+    texts: list[tuple[int, list[str]]] = []
     width = cells = 0
-    for row in rows:
-        texts.append([_text(cell) for cell in row])
-        while texts[-1] and not texts[-1][-1]:
-            texts[-1].pop()
-        width = max(width, len(texts[-1]))
-        cells += len(row) + 1
-        if cells > MOST_CELLS:
-            check_size(MOST_CELLS, 2)
+    for number, row in enumerate(rows):
+        cells += len(row)
+        if number >= _MOST_ROWS or cells > MOST_CELLS:  # far rows and cells cost nothing in the file, but here
+            raise SpecError(
+                "file", number, Message("record.rows.over-limit", rows=number + 1, limit=min(number, _MOST_ROWS))
+            )
+        filled = [_text(cell) for cell in row]
+        while filled and not filled[-1]:
+            filled.pop()
+        if filled:
+            texts.append((number, filled))
+            width = max(width, len(filled))
     check_size(len(texts), width)
-    while texts and not texts[-1]:
-        texts.pop()
-    return ["\t".join(row) + "\t" * (width - len(row)) if row else "" for row in texts]
+    lines = [""] * (texts[-1][0] + 1 if texts else 0)
+    for number, row in texts:
+        lines[number] = "\t".join(row) + "\t" * (width - len(row))
+    return lines
 
 
 def _text(cell: Any) -> str:

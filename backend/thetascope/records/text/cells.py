@@ -1,6 +1,7 @@
 """Cells of text: numbers in any notation, signs for missing values, and times."""
 
 import re
+from math import isfinite
 from typing import Literal
 
 Decimal = Literal[".", ","]
@@ -97,7 +98,7 @@ def number(cell: str, decimal: Decimal) -> float | None:
 
 def _float(text: str) -> float | None:
     value = float(text.replace("d", "e").replace("D", "e"))
-    return value if abs(value) <= 1e308 else None
+    return value if isfinite(value) else None
 
 
 def switch(cell: str) -> float | None:

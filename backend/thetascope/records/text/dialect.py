@@ -24,8 +24,13 @@ SEPARATORS: tuple[Separator, ...] = (",", ";", "\t", "|", " ")
 COMMENTS = ("#", "%", "//", "!", '"#')
 _SAMPLE = 400  # lines from the beginning of the file by which its dialect is found,
 _LATER = 200  # and lines from the rest of it
+_WIDER = (r"\s+(?![\[(])", r"\s{2,}|\t", r"\s*[,;|\t]\s*")
 _FEW = 0.5  # share of cells above which a column is of a kind
-_UNIT = re.compile(r"\[?\(?[^\d\[\]()][^\[\]()]{0,23}\)?\]?|\[\]|\(\)|-|1/.{1,10}|")
+_UNIT = re.compile(
+    r"[\[(].{0,23}[\])]|-|%|[^,;]{0,12}[°²³µμΩ℃/^*·][^,;]{0,12}|[kmMucn]?(?:s|m|g|V|A|W|Pa|N|l|L|Hz|J|bar|Ohm|mol)"
+    r"|sec|min|h|hr|d|TS|RN|K|C|F|deg ?[CFK]?|Deg C|cm[23]|psi|rpm|pct|lpm|gpm|rad|Nm|inch|ft|ppm|pH"
+    r"|秒|分|分钟|小时|毫秒|米|厘米|毫米|摄氏度|帕|千帕|伏|安|瓦|升|转"
+)
 
 
 @dataclass(frozen=True)
@@ -118,11 +123,11 @@ def _is_value(cell: str) -> bool:
 
 
 def _decimal(rows: Sequence[Sequence[str]], separator: Separator) -> Decimal:
-    """Return the decimal sign that most cells prove; a comma where numbers have one and a semicolon separates."""
+    """Return the decimal sign that most cells prove; a comma where it separates no cells and numbers have one."""
     seen: Counter[str] = Counter(decimal_evidence(clean(cell)) for row in rows for cell in row)
     if seen[","] != seen["."]:
         return "," if seen[","] > seen["."] else "."
-    commas = separator in ";\t" and any("," in cell for row in rows for cell in row if _is_value(clean(cell)))
+    commas = separator != "," and any("," in cell for row in rows for cell in row if _is_value(clean(cell)))
     return "," if commas and not seen["."] else "."
 
 
@@ -167,26 +172,31 @@ def _head(
     lines: Sequence[str], separator: Separator, width: int, trailing: bool
 ) -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
     """Return the names and units in the lines above the data."""
-    fitting = [row for line in lines if (row := _fitted(line, separator, width, trailing)) is not None]
+    fitting = [row for line in lines if (row := _fitted(split(line, separator), width, trailing)) is not None]
+    if not fitting and separator == " ":  # names may have blanks in them
+        parts = [re.split(pattern, line.strip()) for line in lines for pattern in _WIDER]
+        fitting = [row for part in parts if (row := _fitted(part, width, trailing)) is not None]
     if not fitting:
         return None, ("",) * width
     filled = [sum(map(bool, row)) for row in fitting]
-    top = filled.index(max(filled))  # lines above it are about the file
-    names = tuple(fitting[top])
-    for row in fitting[top + 1 :]:
-        if all(_UNIT.fullmatch(cell) for cell in row) and any(row):
-            return names, tuple(cell.strip("[]() ") if cell not in ("-", "[-]") else "" for cell in row)
-    return names, ("",) * width
+    full = [k for k, count in enumerate(filled) if count == max(filled)]
+    below = [k for k, row in enumerate(fitting) if k and _are_units(row)]
+    above = [k for k in full if not below or k < below[0]] or [0]
+    names = tuple(fitting[above[-1]])  # a remark above them may happen to have as many parts
+    if not below:
+        return names, ("",) * width
+    return names, tuple(cell.strip("[]() ") if cell not in ("-", "[-]") else "" for cell in fitting[below[0]])
 
 
-def _fitted(line: str, separator: Separator, width: int, trailing: bool) -> list[str] | None:
+def _are_units(row: Sequence[str]) -> bool:
+    """Return whether the cells of a line are units: at least half of those that are not empty are well known."""
+    cells = [cell for cell in row if cell]
+    return len(cells) > 0 and 2 * sum(1 for cell in cells if _UNIT.fullmatch(cell)) >= len(cells)
+
+
+def _fitted(cells: Sequence[str], width: int, trailing: bool) -> list[str] | None:
     """Return the cells of a head as a row of the data's width, or None if they do not fit."""
-    row = [clean(cell) for cell in split(line, separator)]
-    if separator == " " and len(row) != width:
-        for pattern in (r"\s+(?![\[(])", r"\s{2,}|\t", r"\s*[,;|\t]\s*"):
-            row = [clean(cell) for cell in re.split(pattern, line.strip())]
-            if len(row) == width:
-                break
+    row = [clean(cell) for cell in cells]
     if len(row) == width - 1:
         row = [*row, ""] if trailing else ["", *row]
     if len(row) == width + 1 and not row[-1]:
