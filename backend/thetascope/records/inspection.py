@@ -139,8 +139,9 @@ def _values(taken: Taken, work: _Work, facts: PlantFacts) -> np.ndarray:
         step, found = quantised(values, name, column.name, quantity.unit)
         work.resolution[name] = step
         work.findings += found
-        work.findings += frozen(values, rows, name, column.name)
-        work.findings += saturated(values, rows, name, column.name, step)
+        full = saturated(values, rows, name, column.name, step)
+        work.findings += full
+        work.findings += frozen(values, rows, name, column.name, tuple(f.text.args["value"] for f in full))
         work.findings += spikes(values, rows, name, column.name)
     return values
 

@@ -43,6 +43,7 @@ _ALIKE = {
     }.items()
     for word in words.split()
 }
+_KNOWN_HAN = sorted((word for word in _ALIKE if _HAN.fullmatch(word)), key=len, reverse=True)
 KINDS = frozenset(_ALIKE.values()) - {"tank"}
 """Kinds of quantities that names tell."""
 _SET_POINTS = _set(
@@ -76,6 +77,18 @@ def split_unit(header: str) -> tuple[str, str]:
     return text, ""
 
 
+def _of_han(text: str) -> set[str]:
+    """Return the words in Chinese characters: those that are known, the longest first, and pairs of the others."""
+    words = set()
+    for part in _KNOWN_HAN:
+        if part in text:
+            words.add(_ALIKE[part])
+            text = text.replace(part, " ")
+    for rest in text.split():
+        words |= {rest[k : k + 2] for k in range(len(rest) - 1)} or {rest}
+    return words
+
+
 @cache
 def words_of(text: str) -> frozenset[str]:
     """Return the words of a name or description, without case, with words of the same meaning as one."""
@@ -84,8 +97,7 @@ def words_of(text: str) -> frozenset[str]:
     words: set[str] = set()
     for word in _WORD.findall(text):
         for han in _HAN.findall(word):
-            words |= {_ALIKE[part] for part in _ALIKE if _HAN.fullmatch(part) and part in han}
-            words |= {str(han)[k : k + 2] for k in range(len(han) - 1)} or {str(han)}
+            words |= _of_han(str(han))
         if not _HAN.search(word) and word not in _SMALL:
             words.add(str(_ALIKE.get(word, word)) if len(word) > 1 else str(word))
     return frozenset(words)

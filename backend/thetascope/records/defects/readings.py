@@ -25,11 +25,11 @@ def resolution_of(values: np.ndarray) -> float:
         return 0.0
     steps = np.diff(levels)
     step = float(steps.min())
-    grid = np.rint((levels - levels[0]) / step)
+    grid = np.concatenate(([0.0], np.cumsum(np.rint(steps / step))))
     if grid[-1] > 1e7:
         return 0.0
     step = float((grid @ (levels - levels[0])) / (grid @ grid))
-    if np.abs(levels - levels[0] - step * np.rint((levels - levels[0]) / step)).max() > _ON_GRID * step:
+    if np.abs(levels - levels[0] - step * grid).max() > _ON_GRID * step:
         return 0.0
     changes = np.sort(np.abs(np.diff(good)))
     scatter = float(np.sqrt(np.mean(changes[: max(1, int(0.99 * len(changes)))] ** 2) / 2))
@@ -48,8 +48,13 @@ def quantised(values: np.ndarray, name: str, column: str | None, unit: str) -> t
     return step, [Finding("quantised", "note", text, treatment, name, column, count=int((~np.isnan(values)).sum()))]
 
 
-def frozen(values: np.ndarray, rows: Rows, name: str, column: str | None) -> list[Finding]:
-    """Return stretches in which a reading stays exactly the same for much longer than elsewhere."""
+def frozen(
+    values: np.ndarray, rows: Rows, name: str, column: str | None, ends: tuple[float, ...] = ()
+) -> list[Finding]:
+    """Return stretches in which a reading stays exactly the same for much longer than elsewhere.
+
+    Stretches at one of `ends`, where the readings saturate, are left out.
+    """
     same = np.concatenate(([False], np.diff(values) == 0))
     runs = stretches(same)
     lengths = np.array([end - begin + 1 for begin, end in runs])
@@ -63,7 +68,9 @@ def frozen(values: np.ndarray, rows: Rows, name: str, column: str | None) -> lis
         )
     findings = []
     for (begin, end), length in zip(runs, lengths, strict=True):
-        if length >= max(_FROZEN_ROWS, _FROZEN_TIMES * usual) and length < len(values):
+        if values[begin] in ends or length == len(values):
+            continue
+        if length >= max(_FROZEN_ROWS, _FROZEN_TIMES * usual):
             marks = rows.marks(np.arange(begin - 1, end))
             text = Message("record.finding.frozen", name=name, t=float(rows.t[begin - 1]), until=float(rows.t[end - 1]))
             until = float(rows.t[end - 1])

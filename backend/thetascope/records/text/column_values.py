@@ -45,8 +45,11 @@ class Cells:
 
     def _one_by_one(self, cells: list[str]) -> np.ndarray:
         values = np.full(len(cells), np.nan)
+        seen: dict[str, float | None] = {}
         for k, cell in enumerate(cells):
-            value = number(cell, self.decimal)
+            if cell not in seen:
+                seen[cell] = number(cell, self.decimal)
+            value = seen[cell]
             if value is None:
                 self.others.append((self.rows + k, cell))
             else:
