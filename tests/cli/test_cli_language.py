@@ -32,7 +32,7 @@ def test_the_option_overrides_the_environment(arguments, environ, language):
     assert chosen_language(arguments, environ) == language
 
 
-@pytest.mark.parametrize("command", ["", "serve", "run", "trial", "diagnose", "list", "check"])
+@pytest.mark.parametrize("command", ["", "serve", "run", "trial", "diagnose", "inspect", "list", "check"])
 def test_help_is_chinese(call, command):
     """Usage, headings, and every option and description of every command."""
     code, shown, _ = call("--language", "zh", *([command] if command else []), "--help")
