@@ -44,16 +44,16 @@ class Case:
         spec = {"id": "case", "plant": plant, "horizon": self.horizon, "step": step, "evaluate": self.record}
         return prepare(library.resolve(Experiment.model_validate(spec))).run()
 
-    def exact(self) -> np.ndarray:
-        """Return the states at the recorded rows (rows, states), by Radau."""
+    def exact(self, method: str = "Radau") -> np.ndarray:
+        """Return the states at the recorded rows (rows, states), by a method of SciPy for stiff equations."""
         t = np.arange(round(self.horizon / self.record) + 1) * self.record
         start = [v for v, _ in self.states.values()]
-        exact = solve_ivp(self.slopes, (0, t[-1]), start, method="Radau", rtol=1e-11, atol=1e-15, t_eval=t)
+        exact = solve_ivp(self.slopes, (0, t[-1]), start, method=method, rtol=1e-11, atol=1e-15, t_eval=t)
         return exact.y.T
 
-    def error(self, result: Result) -> float:
+    def error(self, result: Result, method: str = "Radau") -> float:
         """Return the largest error of a state relative to its largest value; NaN where the run has none."""
-        exact = self.exact()
+        exact = self.exact(method)
         columns = np.stack([result.column(f"x.{s}") for s in self.states], axis=1)
         return float((np.abs(columns - exact).max(axis=0) / np.abs(exact).max(axis=0)).max())
 

@@ -2,6 +2,8 @@
 
 import hashlib
 import pickle
+from copy import copy
+from functools import cache
 
 import numpy as np
 import pytest
@@ -34,14 +36,20 @@ class HalfWay(Exception):
     """The error that the tests cause."""
 
 
-def began() -> Session:
-    """Return a session with commands, events and rows behind it."""
+@cache
+def _began(_: str) -> Session:
+    """Return a session with commands, events and rows behind it: for each use one of its own."""
     session = Session(zhao(faults=[FAULT | {"channel": "theta1", "onset": 0.5, "end": 0.8}]))
     session.advance(100)
     do(session, "inject", fault=FAULT)
     for rows in (200, 200, 300):
         session.advance(rows)
     return session
+
+
+def began(use: str) -> Session:
+    """Return such a session as it was before anything was done with it; two uses share no memory."""
+    return copy(_began(use))
 
 
 def observables(session: Session) -> dict[str, object]:
@@ -69,7 +77,7 @@ def observables(session: Session) -> dict[str, object]:
 def test_a_command_that_fails_half_way_leaves_every_observable_as_it_was(stage, monkeypatch):
     """The state is the earlier value itself, and the rows that follow are those of a session without the command."""
     module, name, kind, fields = STAGES[stage]
-    session, untouched = began(), began()
+    session, untouched = began("commands that fail"), began("no command")
     before, state = observables(session), session.state
 
     def fail(*_: object, **__: object) -> None:
@@ -88,7 +96,7 @@ def test_a_command_that_fails_half_way_leaves_every_observable_as_it_was(stage, 
 
 def test_a_fork_shares_no_later_change_with_its_parent():
     """Commands and rows of one are not seen in the other, in either direction."""
-    parent = began()
+    parent = began("forks")
     before = observables(parent)
     fork = parent.fork()
     do(fork, "clear")
