@@ -11,13 +11,26 @@ from typing import IO
 
 import pytest
 
+from tests.api import prepared_services
 from thetascope.client import Client
 
 ROOT = Path(__file__).parents[2]
 
 
+def _started(
+    arguments: list[str], environment: dict[str, str], stderr: IO[bytes] | None
+) -> subprocess.Popen | prepared_services.Service:
+    if hasattr(os, "fork"):
+        return prepared_services.Service(arguments, environment, stderr)
+    command = [sys.executable, "-m", "thetascope.cli.main", *arguments]
+    return subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=stderr, text=True)
+
+
+Started = tuple[subprocess.Popen | prepared_services.Service, str]
+
+
 @contextmanager
-def process(data: Path, stderr: IO[bytes] | None = None, **settings: object) -> Iterator[tuple[subprocess.Popen, str]]:
+def process(data: Path, stderr: IO[bytes] | None = None, **settings: object) -> Iterator[Started]:
     """Start the service on a free port; return its process and address. Settings as in backend/thetascope/settings.py.
 
     `stderr` gets its log lines. Computations have more time than by default: the tests share the processors.
@@ -26,8 +39,7 @@ def process(data: Path, stderr: IO[bytes] | None = None, **settings: object) -> 
     defaults = {"prepare": 0, "job_seconds": 300, "job_cpu": 300}
     environment |= {f"THETASCOPE_{name.upper()}": str(value) for name, value in {**defaults, **settings}.items()}
     environment |= {"THETASCOPE_DATA": str(data), "PYTHONUNBUFFERED": "1"}
-    command = [sys.executable, "-m", "thetascope.cli.main", "serve", "--port", "0"]
-    started = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=stderr, text=True)
+    started = _started(["serve", "--port", "0"], environment, stderr)
     try:
         line = started.stdout.readline()
         assert "http://" in line, f"the service did not start: {line!r}"

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from collections.abc import Iterator
 
 import pytest
 
@@ -20,17 +21,24 @@ CHECKS = (
 PHASES = (("examples", ()), ("coverage", ("--include-method", "GET", "--max-time", "10")))
 
 
+@pytest.fixture(scope="module")
+def described(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Return the address of a service that has done a run."""
+    with service(tmp_path_factory.mktemp("described"), queue=100_000, max_seconds=20) as address:
+        with Client(address) as client:
+            client.run("zhao-2012", {"horizon": 1})
+        yield address
+
+
 @pytest.mark.parametrize(("phase", "more"), PHASES, ids=[phase for phase, _ in PHASES])
-def test_schemathesis_finds_nothing(tmp_path, phase: str, more: tuple[str, ...]):
+def test_schemathesis_finds_nothing(described, tmp_path, phase: str, more: tuple[str, ...]):
     """Requests made from the document get answers that it describes, and no error of the program."""
-    with service(tmp_path / "data", queue=100_000, max_seconds=20) as address, Client(address) as client:
-        client.run("zhao-2012", {"horizon": 1})
-        command = [
-            *(sys.executable, "-m", "schemathesis.cli", "run", f"{address}/openapi.json", "--url", address),
-            *("--phases", phase, "--checks", ",".join(CHECKS), "--continue-on-failure", "--no-shrink"),
-            *("--generation-deterministic", "--no-color", "--output-truncate", "false", *more),
-        ]
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=600)
+    command = [
+        *(sys.executable, "-m", "schemathesis.cli", "run", f"{described}/openapi.json", "--url", described),
+        *("--phases", phase, "--checks", ",".join(CHECKS), "--continue-on-failure", "--no-shrink"),
+        *("--generation-deterministic", "--no-color", "--output-truncate", "false", *more),
+    ]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
     assert "Tested: " in done.stdout
 
