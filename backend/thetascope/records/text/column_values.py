@@ -62,17 +62,16 @@ def column_of(name: str, cells: Cells, unit: str = "") -> Column:
     values = cells.values()
     origin: Origin = "second-line" if unit else ""
     first = tuple(cells.first)
+    seen = {cell: _value(clean(cell), cells.decimal) for cell in dict.fromkeys(cell for _, cell in cells.others)}
+    suffixes = Counter(suffix for _, suffix, _ in seen.values() if suffix)
+    suffix = suffixes.most_common(1)[0][0] if suffixes else ""
     words: list[tuple[int, str]] = []
-    seen: dict[str, float | None] = {}
-    suffixes: Counter[str] = Counter()
     missing = 0
     for row, cell in cells.others:
-        if cell not in seen:
-            seen[cell] = _value(clean(cell), cells.decimal, suffixes)
-        value = seen[cell]
-        if value is None:
-            words.append((row, clean(cell)))
-        elif np.isnan(value):
+        value, own, cleaned = seen[cell]
+        if value is None or own and own != suffix:  # another unit than that of the other cells
+            words.append((row, cleaned))
+        elif value != value:
             missing += 1
         else:
             values[row] = value
@@ -80,7 +79,7 @@ def column_of(name: str, cells: Cells, unit: str = "") -> Column:
     if full == 0:
         return Column(name, "empty", values, unit, origin, first)
     if len(words) <= (1 - _SHARE) * full:
-        suffix = suffixes.most_common(1)[0][0] if suffixes and not unit else ""
+        suffix = "" if unit else suffix
         origin = origin or ("file" if suffix else "")
         return Column(name, "number", values, unit or suffix, origin, first, tuple(words[:_KEPT]), len(words))
     if sum(1 for _, cell in words[:1000] if is_time(cell)) > _SHARE * min(len(words), 1000):
@@ -91,14 +90,13 @@ def column_of(name: str, cells: Cells, unit: str = "") -> Column:
     return Column(name, "text", np.full(cells.rows, np.nan), unit, origin, first, tuple(words[:_KEPT]), len(words))
 
 
-def _value(cell: str, decimal: Decimal, suffixes: Counter[str]) -> float | None:
-    """Return a cell's number, NaN where it says that there is none, or None for a word."""
+def _value(cell: str, decimal: Decimal) -> tuple[float | None, str, str]:
+    """Return a cell's number and unit, NaN where it says that there is none or None for a word, and the cell."""
     if is_missing(cell):
-        return np.nan
+        return np.nan, "", cell
     value = number(cell, decimal)
     if value is None:
         value = switch(cell)
     if value is None and (pair := with_unit(cell, decimal)):
-        value, suffix = pair
-        suffixes[suffix] += 1
-    return value
+        return *pair, cell
+    return value, "", cell

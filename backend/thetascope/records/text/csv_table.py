@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 from collections.abc import Iterable, Iterator
 
 import numpy as np
@@ -15,6 +16,8 @@ from thetascope.records.text.dialect import Dialect, Separator, dialect_of, is_c
 
 _BLOCK = 50_000  # lines that are split at a time
 _LONGEST = 100_000  # characters of one line
+_HEAD = 200  # lines that are looked at one by one in any case
+_SPECIAL = re.compile(r"\n(?:[ ,;\t|]*(?:\n|\Z)|#|%|//|!|\"#)")  # empty lines and comments
 _SHOWN = {",": "comma", ";": "semicolon", "\t": "tab", "|": "pipe", " ": "blank"}
 
 
@@ -47,13 +50,13 @@ def _lines(text: str) -> tuple[list[str], list[int], list[str]]:
     """Return the lines with content, their numbers from 1 on, and the comments before the first of them."""
     if '"' in text and text.count('"') % 2 == 0:
         text = _joined(text)
-    every = text.split("\n")
     comments: list[str] = []
     lines: list[str] = []
     numbers: list[int] = []
-    for number, line in enumerate(every, 1):
-        if len(line) > _LONGEST:
-            raise SpecError("file", line[:60], Message("record.file.long-line", line=number, limit=_LONGEST))
+    head = text.split("\n", _HEAD)
+    rest = head.pop().rstrip("\n") if len(head) > _HEAD else ""
+    plain = bool(rest) and _SPECIAL.search(rest) is None and not _SPECIAL.match("\n" + rest)
+    for number, line in enumerate(head if plain else text.split("\n"), 1):
         if not line.strip(" ,;\t|"):
             continue
         if is_comment(line):
@@ -62,6 +65,13 @@ def _lines(text: str) -> tuple[list[str], list[int], list[str]]:
             continue
         lines.append(line)
         numbers.append(number)
+    if plain:
+        body = rest.split("\n")
+        lines += body
+        numbers += range(_HEAD + 1, _HEAD + 1 + len(body))
+    for number, line in zip(numbers, lines, strict=True):
+        if len(line) > _LONGEST:
+            raise SpecError("file", line[:60], Message("record.file.long-line", line=number, limit=_LONGEST))
     return lines, numbers, comments
 
 
