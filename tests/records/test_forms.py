@@ -165,6 +165,15 @@ def test_missing_rows_and_jitter_keep_their_true_times():
     assert jitter.sampling.jitter == pytest.approx(np.std(np.diff(times)), rel=0.01)
 
 
+@pytest.mark.parametrize("time", [-9999, 0, 1709280000])
+def test_a_row_with_a_stray_time_is_left_out(time):
+    """One time that is wrong neither moves its row elsewhere nor ends the record."""
+    found = inspected(text(changed((150,), 0, time)))
+    assert kinds(found) == {"stray-time", "gap"}
+    assert [f.lines for f in found.findings if f.kind == "stray-time"] == [(152,)]
+    assert np.array_equal(found.recording.t, np.delete(T, 150))
+
+
 def test_coarse_times_are_spread():
     """Four rows a second whose times are written in whole seconds get times a quarter apart."""
     found = inspected(text([[t // 4, q, y] for t, q, y in rows()]))

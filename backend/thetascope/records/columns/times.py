@@ -22,6 +22,7 @@ _DAYS = (25_000.0, 75_000.0)  # days since 1899 that are taken for dates
 _SPREADSHEET = 25_569.0  # days from 1899-12-30 to 1970-01-01
 _FORWARD = 0.9  # share of rows whose time is later than that of the row before
 _LENGTHS: tuple[TimeUnit, ...] = ("ns", "us", "ms", "s", "min", "h", "d")
+_ZONES = ("utc", "gmt", "local", "iso", "iso8601")
 _WRITTEN: dict[str, str] = {"sec": "s", "epoch": "epoch-s", "unix": "epoch-s", "posix": "epoch-s"}
 
 
@@ -85,7 +86,7 @@ def unit_of_time(column: Column) -> tuple[TimeUnit, bool]:
     if column.kind == "datetime":
         return ("datetime" if column.epoch == "date" else "clock"), True
     text = split_unit(column.name)[1] or column.unit
-    written = _WRITTEN.get(text.lower(), text)
+    written = "" if text.lower() in _ZONES else _WRITTEN.get(text.lower(), text)
     values = column.values[~np.isnan(column.values)]
     middle = float(np.median(values)) if len(values) else 0.0
     if written in ("", "s", "ms", "us", "ns", "epoch-s"):

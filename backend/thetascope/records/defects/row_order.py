@@ -11,6 +11,7 @@ from thetascope_schemas.service.record_inspection import Severity
 
 _REVERSED = 0.9  # share of steps backwards in a record whose rows are reversed
 _COARSE = 0.1  # share of rows with the time of the row before, beyond which times are written coarsely
+_NEAR, _FAR = 4.0, 10.0  # periods within which neighbours agree, and by which a stray time is off
 _AHEAD = 0.05  # share of the rows that may lie before the time of an earlier row
 
 
@@ -47,10 +48,25 @@ def ordered(t: np.ndarray, cells: np.ndarray, lines: np.ndarray, column: str | N
                 "reversed", "changed", Message("record.finding.reversed"), _done("reversed"), None, column, len(index)
             )
         )
+    stray = _stray(t[index])
+    if stray.any():
+        findings.append(_finding("stray-time", "changed", Rows(lines[index], t[index]), np.flatnonzero(stray), column))
+        index = index[~stray]
     index, more = _forward(t, index, lines, column)
     findings += more
     index, times, more = _without_repeats(t[index], index, cells, lines, column)
     return Ordered(index, times, turned, (*findings, *more))
+
+
+def _stray(t: np.ndarray) -> np.ndarray:
+    """Return which rows have a time far from those of both neighbours, which agree with each other."""
+    stray = np.zeros(len(t), dtype=bool)
+    if len(t) > 3:
+        period = float(np.median(np.abs(np.diff(t))))
+        before, own, after = t[:-2], t[1:-1], t[2:]
+        agree = (after > before) & (after - before <= _NEAR * period)
+        stray[1:-1] = agree & ((own < before - _FAR * period) | (own > after + _FAR * period))
+    return stray
 
 
 def _forward(
