@@ -1,7 +1,14 @@
 """Answers that routes build as plain data match the models that document them."""
 
+import json
+
 import pytest
 
+from tests.api.conftest import ROOT
+from tests.test_docs import blocks
+from thetascope.client import ServiceError
+from thetascope.runs.specs.spec_files import parse
+from thetascope_schemas import Plant
 from thetascope_schemas.service import answers
 
 
@@ -28,6 +35,29 @@ def test_answers_about_a_plant_match_their_models(client):
     answers.PlantCheck.model_validate(client.post("/api/plants/check", plant))
     answers.Equations.model_validate(client.post("/api/equations", {"plant": plant, "observers": ["joint-ekf"]}))
     answers.PresentGains.model_validate(client.post("/api/gains", client.get("/api/experiments/zhao-2012-observers")))
+
+
+def test_a_plant_is_read_from_yaml_and_from_json(client):
+    """Both give the plant in full; a mistake in the text is placed, one in the data names its field."""
+    text = blocks(ROOT / "docs" / "plant-format.md", "yaml")[0]
+
+    def read(body: str | bytes) -> tuple[int, dict]:
+        status, _, answer = client.request("POST", "/api/plants/read", body, {"Content-Type": "application/yaml"})
+        return status, json.loads(answer)
+
+    def refused(body: str | bytes) -> dict:
+        with pytest.raises(ServiceError) as refusal:
+            read(body)
+        assert refusal.value.status == 422
+        return refusal.value.problem["errors"][0]
+
+    status, plant = read(text.encode())
+    assert status == 200 and plant == Plant.model_validate(parse(text).data).model_dump(mode="json")
+    assert read(json.dumps(plant).encode()) == (200, plant)
+    assert refused(b"id: tank\nstates: {h: [\n")["args"]["line"] == 3
+    assert refused(b"\xff")["code"] == "document.no-utf8"
+    assert refused(text.replace("h: (q", "z: (q").encode())["field"].startswith("dynamics")
+    assert refused(b"7")["field"] == ""
 
 
 def test_answers_about_a_run_match_their_models(client, run):
