@@ -15,10 +15,9 @@ import numpy as np
 
 from thetascope import library
 from thetascope.assembly import prepare
-from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, recording
+from thetascope.assembly.analyses.record_diagnosis import diagnose_columns
 from thetascope.live.session.session import Session
 from thetascope_schemas import Experiment
-from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 from thetascope_schemas.service.session import (
     AddObserverNow,
     Clear,
@@ -112,7 +111,7 @@ def record_digests() -> Iterator[tuple[str, str]]:
     run = prepare(library.resolve(Experiment.model_validate(spec.model_dump() | changes))).run()
     columns = {c: run.column(c) for c in run.names if c == "t" or c.startswith(("u.", "signal.", "y."))}
     plant = library.plant("friction-motor")
-    diagnosis = diagnose_recording(plant, recording(plant, columns), DiagnosisSettings(false_alarms=0.1))
+    diagnosis = diagnose_columns(plant, columns)
     yield "record/friction-motor", numbers_digest(diagnosis.model_dump())
 
 

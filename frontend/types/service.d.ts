@@ -872,6 +872,32 @@ export interface FactsNow {
   facts: Facts;
 }
 
+/** One explanation of a fault. */
+export interface FaultCandidate {
+  /** The fault channel. */
+  channel: string;
+  /** Its title in the plant. */
+  title: Text;
+  /** Its unit. */
+  unit: string;
+  /** Its course; a drift is a step that goes on as a ramp, a plateau is a ramp that ends. */
+  shape: 'step' | 'ramp' | 'drift' | 'rise' | 'plateau';
+  /** Time in s after the first row at which it began. */
+  onset: Interval;
+  /** Its size at its end, or at the end of the record. */
+  size: Interval;
+  /** Its rate of change there, per second. */
+  rate: number;
+  /** The bound of the channel that the size has reached, or null. */
+  bound: number | null;
+  /** By how much −2 log L with penalties is worse than the best one's. */
+  behind: number;
+  /** Whether the data exclude it, compared with the best; true for the best. */
+  separable: boolean;
+  /** The explanation in a sentence. */
+  text: Text;
+}
+
 /** A fault shape with its fields. */
 export interface FaultForm {
   shape: string;
@@ -999,6 +1025,42 @@ export interface FinalValue {
   std: number | null;
 }
 
+/** Does the model fit the healthy stretch? */
+export interface FitReport {
+  /** Faults are only named if it fits, as it is or with fitted parameters. */
+  verdict: 'fits' | 'fits-after-fit' | 'does-not-fit';
+  /** The verdict in a sentence. */
+  text: Text;
+  /** How well each output fits. */
+  outputs: (OutputFitReport)[];
+  /** The same with the parameters as they were, if parameters were fitted. */
+  before: (OutputFitReport)[];
+  /** Tests that the model failed. */
+  reasons: (MisfitReason)[];
+  /** What would explain a misfit, the likeliest first. */
+  suspects: (MisfitSuspect)[];
+  /** Fitted parameters. */
+  parameters: (FittedParameterReport)[];
+  /** Standard deviation of the process noise of each state over one row, in its unit. */
+  process_noise: {[name: string]: number};
+  /** What would help. */
+  advice: (Text)[];
+}
+
+/** A parameter that was fitted on the healthy stretch. */
+export interface FittedParameterReport {
+  name: string;
+  unit: string;
+  /** Its value in the plant. */
+  before: number;
+  /** Its fitted value. */
+  value: number;
+  /** Standard deviation of the fitted value; null: unknown. */
+  std: number | null;
+  /** Whether it was held, because the rows do not determine it. */
+  held: boolean;
+}
+
 /** The time at which the new session branches off. */
 export interface ForkRequest {
   /** Time in s, at most that of the session; null: the present. */
@@ -1086,6 +1148,18 @@ export interface Health {
   workers: WorkUsage;
 }
 
+/** The stretch on which the noise was estimated and the fit was checked. */
+export interface HealthyStretch {
+  /** Its beginning in s after the first row. */
+  begin: number;
+  /** Its end in s after the first row. */
+  end: number;
+  /** Whether it was declared; else it was found. */
+  given: boolean;
+  /** Its rows. */
+  rows: number;
+}
+
 /** The first message on a connection: everything that a page needs to display the session. */
 export interface Hello {
   type: 'hello';
@@ -1159,6 +1233,13 @@ export interface InputProposal {
   needed: number;
   /** The proposal in a sentence, or the reason why it is missing. */
   text: Text;
+}
+
+/** A number with its 95 % interval. */
+export interface Interval {
+  value: number;
+  low: number;
+  high: number;
 }
 
 export type JsonValue = unknown;
@@ -1249,6 +1330,50 @@ export interface MappingRequest {
   plant: string | PlantInput;
   /** Changes of the guess. */
   mapping?: ColumnMappingInput;
+}
+
+/** A test that the model failed. */
+export interface MisfitReason {
+  /** bias, coloured, jump, driven, still, input-bounds, not-healthy, blind, unit, later or many. */
+  kind: string;
+  /** The output or input that it concerns; empty: the whole record. */
+  name: string;
+  /** Time in s after the first row at which it shows, or null. */
+  t: number | null;
+  /** The reason in a sentence. */
+  text: Text;
+}
+
+/** Something that would explain a misfit. */
+export interface MisfitSuspect {
+  /** What would have to be different. */
+  kind: 'time' | 'output' | 'offset' | 'fahrenheit' | 'input' | 'swap-inputs' | 'swap-outputs' | 'parameter';
+  /** Of the output, input or parameter; `*`: all of them; two names for a swap. */
+  name: string;
+  /** By which it would have to be multiplied; of an offset the addend. */
+  factor: number | null;
+  /** Fall of −2 log L with it. */
+  gain: number;
+  /** Fit of the simulation with it; null: it was not simulated. */
+  simulated: number | null;
+  /** The suspicion in a sentence. */
+  text: Text;
+}
+
+/** An additive fault that the plant lacks and that would explain the record better than its channels. */
+export interface MissingFault {
+  /** The state equation or output that it enters. */
+  target: string;
+  /** Id of the fault that it would explain. */
+  fault: string;
+  /** By how much it explains better. */
+  gain: number;
+  /** Its size at the end. */
+  size: number;
+  /** Its unit. */
+  unit: string;
+  /** The proposal in a sentence. */
+  text: Text;
 }
 
 /** Gaussian measurement noise of one output; each drawn value is held for the sample time. */
@@ -1512,6 +1637,30 @@ export interface Output {
   /** Size of a typical change, in the output's unit; null: found in a simulation without faults. */
   scale: number | null;
   description: string;
+}
+
+/** How well the model fits one output on the healthy stretch. */
+export interface OutputFitReport {
+  /** The output. */
+  output: string;
+  /** Its unit. */
+  unit: string;
+  /** 1 − ‖error‖/‖y − mean‖ of predictions from row to row; 1: perfect. */
+  predicted: number;
+  /** The same of the simulation from the first row on, without corrections; null: it diverges. */
+  simulated: number | null;
+  /** Standard deviation of the measurement noise, in the output's unit. */
+  noise: number;
+  /** Correlation of the noise from one row to the next; 0: white. */
+  memory: number;
+  /** Standard deviation of the innovations, in the output's unit. */
+  innovation: number;
+  /** Mean of the innovations in standard errors; healthy: within ±4. */
+  bias: number;
+  /** Probability of the autocorrelation of the innovations if they were white. */
+  whiteness: number;
+  /** The same in a sentence. */
+  text: Text;
 }
 
 /** One measured output y. */
@@ -2042,7 +2191,7 @@ export interface ReadyCheck {
   detail: string;
 }
 
-/** Equally spaced samples of ``t``, inputs, signals and outputs of the plant: columns, or CSV with a header. */
+/** Samples of times, inputs, signals and outputs of the plant: columns, or CSV with a header. */
 export interface Record {
   /** Id of a library plant, or a complete plant. */
   plant: string | PlantInput;
@@ -2050,10 +2199,10 @@ export interface Record {
   columns?: {[name: string]: (number)[]} | null;
   /** Text of a CSV file; or give `columns`. */
   csv?: string | null;
-  /** Length in s of the beginning, known to be healthy: deviations in it are attributed to the plant. */
-  learn?: number;
+  /** Changes of the guessed mapping. */
+  mapping?: ColumnMappingInput;
   /** Settings of the diagnosis. */
-  diagnosis?: DiagnosisSettingsInput;
+  settings?: RecordSettings;
 }
 
 /** A column of the file. */
@@ -2084,6 +2233,76 @@ export interface RecordColumn {
   note: Text | null;
 }
 
+/** One alarm, and what became of it. */
+export interface RecordDecision {
+  /** Time in s after the first row of the alarm. */
+  t: number;
+  /** The statistic. */
+  statistic: number;
+  /** Time in s up to which rows were used for the name. */
+  judged: number;
+  /** Whether a fault was added or the last one revised. */
+  action: 'added' | 'revised';
+  /** The channel that was named then. */
+  channel: string;
+  /** The onset that was estimated then. */
+  onset: number;
+}
+
+/** The diagnosis of a record. */
+export interface RecordDiagnosis {
+  /** The result in a sentence. */
+  sentence: Text;
+  /** Does the model fit? */
+  fit: FitReport;
+  /** The stretch on which this was checked. */
+  healthy: HealthyStretch;
+  /** The faults in the order of their onsets; empty if it does not fit. */
+  faults: (RecordFault)[];
+  /** Faults that the plant lacks and that would explain more. */
+  missing: (MissingFault)[];
+  /** The smallest fault of each channel that would be found. */
+  visible: (VisibleFault)[];
+  /** All alarms in the order of time. */
+  decisions: (RecordDecision)[];
+  /** Threshold of the statistic along this record; null: not needed. */
+  threshold: number | null;
+  /** Accepted false alarms per hour. */
+  false_alarms: number;
+  /** Rows of the record. */
+  rows: number;
+  /** Length of the record in s. */
+  duration: number;
+  /** The statistic along the record, or null. */
+  statistic: StatisticCurve | null;
+  /** Assumptions and limitations. */
+  notes: (Text)[];
+}
+
+/** A fault that the record shows. */
+export interface RecordFault {
+  /** Id within the diagnosis. */
+  id: string;
+  /** The best explanation. */
+  best: FaultCandidate;
+  /** Other channels, the better ones first. */
+  alternatives: (FaultCandidate)[];
+  /** Time in s after the first row at which it was noticed. */
+  alarm: number;
+  /** The statistic of that alarm. */
+  statistic: number;
+  /** Time in s at which it ended; null: it lasts. */
+  ended: number | null;
+  /** Whether the interval of its size excludes zero. */
+  confirmed: boolean;
+  /** Whether the inputs at its onset are covered by the healthy stretch; else the model may err there. */
+  covered: boolean;
+  /** The fault in a sentence. */
+  text: Text;
+  /** A reservation, or null. */
+  note: Text | null;
+}
+
 /** A peculiarity of the record, and how it is treated. */
 export interface RecordFinding {
   /** Id within the inspection. */
@@ -2110,6 +2329,14 @@ export interface RecordFinding {
   treatment: Text | null;
   /** A part of a ColumnMapping that would remove it, such as {time: {unit: min}}, or null. */
   proposal: JsonValue;
+}
+
+/** The fit of a plant on the healthy stretch of a record, and the plant with the fitted parameters. */
+export interface RecordFit {
+  /** Does the model fit, as it is and with the fitted parameters? */
+  report: FitReport;
+  /** The complete plant with the fitted parameters. */
+  plant: string | Plant;
 }
 
 /** A record as it was read: columns, mapping, peculiarities, and what was looked for and not found. */
@@ -2175,6 +2402,18 @@ export interface RecordPreview {
   /** Shortest and longest time in s from row to row in each interval. */
   steps: {[name: string]: (number | null)[]};
   series: (PreviewSeries)[];
+}
+
+/** How a record is diagnosed. */
+export interface RecordSettings {
+  /** A stretch that is known to be healthy; null: the longest beginning that shows no fault by itself. */
+  healthy?: Stretch | null;
+  /** Accepted false alarms per hour. */
+  false_alarms?: number;
+  /** auto: parameters are fitted on the healthy stretch where one alone lets the model fit clearly better; never; chosen: `parameters` are fitted. */
+  fit?: 'auto' | 'never' | 'chosen';
+  /** With chosen: the parameters that are fitted; empty: all. */
+  parameters?: (string)[];
 }
 
 /** The times of a record in numbers. */
@@ -2733,6 +2972,13 @@ export interface StateInput {
   description?: string | {[name: string]: string};
 }
 
+/** The statistic along the record, thinned for drawing: the largest value in each interval of time. */
+export interface StatisticCurve {
+  /** Beginnings of the intervals in s after the first row. */
+  t: (number)[];
+  largest: (number)[];
+}
+
 /** The status of the session; it replaces earlier ones. */
 export interface Status {
   type: 'status';
@@ -2820,6 +3066,14 @@ export interface StepsSignalInput {
   times: (number)[];
   /** Values, one more than times. */
   values: (number)[];
+}
+
+/** A part of the record, in s after its first row. */
+export interface Stretch {
+  /** Its beginning in s after the first row. */
+  begin: number;
+  /** Its end in s after the first row. */
+  end: number;
 }
 
 /** Faults and states that no input distinguishes. */
@@ -3093,6 +3347,16 @@ export interface TruthInput {
   states?: (TrueStateInput)[];
   /** Right-hand side of each of these states; for a state of the plant, an expression that is added to its right-hand side. */
   dynamics?: {[name: string]: string};
+}
+
+/** The smallest fault of a channel that would have been found. */
+export interface VisibleFault {
+  channel: string;
+  unit: string;
+  /** Smallest step that would be found; null: none can be seen. */
+  smallest: number | null;
+  /** Size of a typical fault. */
+  typical: number;
 }
 
 /** A symbol of an observer's equations and its meaning. */

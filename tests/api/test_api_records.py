@@ -25,27 +25,37 @@ def test_a_record_is_diagnosed(client, record):
     """Columns or CSV text, a library plant or a whole one give the same fault, onset, size and noise."""
     plant = library.plant("friction-motor").model_dump(mode="json")
     first = client.post("/api/diagnosis", {"plant": "friction-motor", "columns": record})
-    (alarm,) = first["alarms"]
-    assert alarm["channel"] == "friction" and 10 < alarm["t"] < 11 and alarm["size_from"] < 9 < alarm["size_to"]
-    assert [n["estimated"] for n in first["noise"]] == pytest.approx([0.01, 0.01], rel=0.15)
+    (fault,) = first["faults"]
+    assert fault["best"]["channel"] == "friction" and 10 < fault["alarm"] < 11
+    assert fault["best"]["size"]["low"] < 9 < fault["best"]["size"]["high"]
+    assert [o["noise"] for o in first["fit"]["outputs"]] == pytest.approx([0.01, 0.01], rel=0.15)
     assert client.post("/api/diagnosis", {"plant": plant, "csv": csv(record)}) == first
 
 
-def test_a_healthy_beginning_is_learnt(client, record):
-    """With ``learn`` deviations in the first seconds are attributed to the plant;
-    other settings are the experiment's."""
-    body = {"plant": "friction-motor", "columns": record, "learn": 5.0, "diagnosis": {"confidence": 0.9}}
-    (alarm,) = client.post("/api/diagnosis", body)["alarms"]
-    assert alarm["channel"] == "friction" and alarm["t"] > 10
+def test_a_stored_record_is_diagnosed_and_fitted(client, record):
+    """The diagnosis of an uploaded record is that of the same columns; the fit returns a complete plant."""
+    stored = client.post("/api/records", {"plant": "friction-motor", "columns": record})
+    body = {"plant": "friction-motor", "settings": {"healthy": {"begin": 0, "end": 9}}}
+    here = client.post(f"/api/records/{stored['id']}/diagnosis", body)
+    assert here == client.post("/api/diagnosis", {"columns": record} | body)
+    assert here["healthy"]["given"] and [f["best"]["channel"] for f in here["faults"]] == ["friction"]
+    name = library.plant("friction-motor").parameters[0].name
+    body["settings"] |= {"fit": "chosen", "parameters": [name]}
+    fit = client.post(f"/api/records/{stored['id']}/fit", body)
+    assert [p["name"] for p in fit["report"]["parameters"]] == [name]
+    assert fit["plant"]["id"] == "friction-motor" and fit["report"]["verdict"] == "fits-after-fit"
+    with pytest.raises(ServiceError, match="404"):
+        client.post("/api/records/0123456789abcdef/diagnosis", body)
 
 
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"csv": "t,u.torque\n0,1\n1,x"}, "line 3"),
-        ({"csv": "t,t\n0,1"}, "a name appears twice"),
+        ({"csv": "t,u.torque\n0,1\n1,x"}, "row 3"),
+        ({"csv": "t,t\n0,1"}, "y_speed: no column"),
         ({"columns": None}, "columns or as csv"),
-        ({"learn": -1}, "learn"),
+        ({"settings": {"healthy": {"begin": -1, "end": 5}}}, "settings.healthy.begin"),
+        ({"settings": {"fit": "chosen", "parameters": ["inertness"]}}, "no parameter inertness"),
         ({"plant": "friction-moter"}, "friction-motor"),
         ({"columns": {"t": [0.0, 1.0], "y": [0.0]}}, "columns.y"),
         ({"columns": {"t": list(np.arange(300.0))}}, "y_speed"),

@@ -5,16 +5,14 @@ import pytest
 
 from tests.engine.loops import experiment, level
 from tests.simulate import simulate
-from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, recording
+from thetascope.assembly.analyses.record_diagnosis import diagnose_columns
 from thetascope.assembly.build.prepare import prepare
 from thetascope.diagnosis.input_design.input_proposal import propose
 from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter
-from thetascope.engine.errors import SpecError
 from thetascope.engine.execution.run_experiment import spans_of
 from thetascope.engine.observability.empirical_gramian import empirical
 from thetascope.engine.observability.opened import opened
 from thetascope.engine.simulation.simulation import row_values
-from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 
 NOISE = {"y": {"std": 0.01, "sample_time": 0.1}}
 CHANGES = {"noise": NOISE, "seed": 2}
@@ -61,18 +59,15 @@ def test_a_set_point_is_proposed():
     assert all(0.5 <= v <= 1.5 for v in swing)
 
 
-def test_a_record_of_a_loop_needs_the_applied_input():
-    """It is diagnosed with the recorded input; without it, the error names the column."""
+def test_a_record_of_a_loop_is_diagnosed_with_the_applied_input():
+    """It is diagnosed with the recorded input; without it no fault is named."""
     bias = [{"channel": "bias", "shape": "step", "onset": 30, "size": 0.1}]
     spec = experiment(level(0.5), faults=bias, **CHANGES)
     run = simulate(spec)
     columns = {n: run.column(n) for n in ("t", "u.q", "y.y")}
-    found = diagnose_recording(spec.plant, recording(spec.plant, columns), DiagnosisSettings())
-    assert [a.channel for a in found.alarms] == ["bias"]
-    assert found.alarms[0].size == pytest.approx(0.1, abs=0.02)
-    with pytest.raises(SpecError) as refusal:
-        recording(spec.plant, {n: c for n, c in columns.items() if n != "u.q"})
-    assert refusal.value.field == "u.q"
+    found = diagnose_columns(spec.plant, columns)
+    assert [f.best.channel for f in found.faults] == ["bias"]
+    assert found.faults[0].best.size.value == pytest.approx(0.1, abs=0.02)
 
 
 def test_a_discrete_plant_has_controllers():

@@ -1,4 +1,4 @@
-"""The command line: `thetascope serve | key | run | trial | diagnose | inspect | list | check`,
+"""The command line: `thetascope serve | key | run | trial | diagnose | fit | inspect | list | check`,
 and `backup | restore | verify` for the store of runs.
 
 Exit codes: 0 done, 1 refused or failed (with the reason), 2 wrong usage, 130 interrupted. Commands import their modules
@@ -118,12 +118,21 @@ def _judging(commands: Any, say: Words) -> None:
     diagnose = commands.add_parser("diagnose", help=say("cli.diagnose"), description=say("cli.diagnose.description"))
     diagnose.add_argument("plant", metavar="PLANT|PLANTFILE", help=say("cli.help.plant"))
     diagnose.add_argument("data", metavar="DATA", type=Path, help=say("cli.help.data"))
-    diagnose.add_argument("--learn", type=float, default=0.0, metavar="S", help=say("cli.help.learn"))
+    diagnose.add_argument("--healthy", metavar="BEGIN..END", help=say("cli.help.healthy"))
     diagnose.add_argument("--false-alarms", type=float, metavar="RATE", help=say("cli.help.false-alarms"))
-    diagnose.add_argument("--doubt", type=float, metavar="SHARE", help=say("cli.help.doubt"))
+    diagnose.add_argument("--fit", metavar="auto|never|NAMES", help=say("cli.help.fit"))
     diagnose.add_argument("--json", type=Path, metavar="FILE", help=say("cli.help.json"))
     add_mapping_options(diagnose, say)
     diagnose.set_defaults(command=_diagnose)
+
+    fit = commands.add_parser("fit", help=say("cli.fit"), description=say("cli.fit.description"))
+    fit.add_argument("plant", metavar="PLANT|PLANTFILE", help=say("cli.help.plant"))
+    fit.add_argument("data", metavar="DATA", type=Path, help=say("cli.help.data"))
+    fit.add_argument("--healthy", metavar="BEGIN..END", help=say("cli.help.healthy"))
+    fit.add_argument("--parameters", metavar="NAMES", help=say("cli.help.parameters"))
+    fit.add_argument("--out", type=Path, metavar="FILE", help=say("cli.help.plant-out"))
+    add_mapping_options(fit, say)
+    fit.set_defaults(command=_fit)
 
     inspect = commands.add_parser("inspect", help=say("cli.inspect"), description=say("cli.inspect.description"))
     inspect.add_argument("plant", metavar="PLANT|PLANTFILE", help=say("cli.help.plant"))
@@ -176,6 +185,12 @@ def _trial(options: argparse.Namespace, say: Words) -> int:
     from thetascope.cli.trial_command import trial_command
 
     return trial_command(options, say)
+
+
+def _fit(options: argparse.Namespace, say: Words) -> int:
+    from thetascope.cli.diagnose_command import fit_command
+
+    return fit_command(options, say)
 
 
 def _diagnose(options: argparse.Namespace, say: Words) -> int:

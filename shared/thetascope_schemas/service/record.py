@@ -5,9 +5,10 @@ from typing import Annotated
 
 from pydantic import Field
 
-from thetascope_schemas.experiment.base import NonNegative, Strict, example
-from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
+from thetascope_schemas.experiment.base import Strict, example
 from thetascope_schemas.experiment.experiment import PlantChoice
+from thetascope_schemas.service.record_diagnosis import RecordSettings
+from thetascope_schemas.service.record_inspection import ColumnMapping
 
 MOST_ROWS = 200_000
 Column = Annotated[list[float], Field(max_length=MOST_ROWS)]
@@ -22,17 +23,14 @@ def _example() -> dict[str, list[float]]:
 
 
 class Record(Strict):
-    """Equally spaced samples of ``t``, inputs, signals and outputs of the plant: columns, or CSV with a header."""
+    """Samples of times, inputs, signals and outputs of the plant: columns, or CSV with a header."""
 
-    model_config = example(plant="friction-motor", columns=_example(), learn=0.0)
+    model_config = example(plant="friction-motor", columns=_example())
 
     plant: PlantChoice = Field(description="Id of a library plant, or a complete plant.")
     columns: dict[str, Column] | None = Field(
         default=None, max_length=200, description="Columns by name, all of the same length; or give `csv`."
     )
     csv: str | None = Field(default=None, description="Text of a CSV file; or give `columns`.")
-    learn: NonNegative = Field(
-        default=0.0,
-        description="Length in s of the beginning, known to be healthy: deviations in it are attributed to the plant.",
-    )
-    diagnosis: DiagnosisSettings = Field(default_factory=DiagnosisSettings, description="Settings of the diagnosis.")
+    mapping: ColumnMapping = Field(default_factory=ColumnMapping, description="Changes of the guessed mapping.")
+    settings: RecordSettings = Field(default_factory=RecordSettings, description="Settings of the diagnosis.")

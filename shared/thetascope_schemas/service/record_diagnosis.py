@@ -10,7 +10,8 @@ from thetascope_schemas.experiment.experiment import PlantChoice
 from thetascope_schemas.service.record_inspection import ColumnMapping
 
 Verdict = Literal["fits", "fits-after-fit", "does-not-fit"]
-Shape = Literal["step", "ramp", "drift", "rise"]
+Shape = Literal["step", "ramp", "drift", "rise", "plateau"]
+SuspectKind = Literal["time", "output", "offset", "fahrenheit", "input", "swap-inputs", "swap-outputs", "parameter"]
 FitMode = Literal["auto", "never", "chosen"]
 
 
@@ -23,7 +24,7 @@ _SETTINGS = {"healthy": {"begin": 0.0, "end": 290.0}, "false_alarms": 0.01, "fit
 _INTERVAL = {"value": 1.001, "low": 0.983, "high": 1.02}
 _CANDIDATE = {
     "channel": "offset",
-    "title": "sensor offset",
+    "title": {"code": "", "args": {}, "text": "sensor offset"},
     "unit": "cm",
     "shape": "step",
     "onset": {"value": 300.0, "low": 299.5, "high": 300.5},
@@ -171,7 +172,7 @@ class MisfitReason(Strict):
     model_config = example(**_REASON)
 
     kind: str = Field(
-        description="bias, coloured, jump, driven, input-bounds, not-healthy, blind, unit, later, many or no-data."
+        description="bias, coloured, jump, driven, still, input-bounds, not-healthy, blind, unit, later or many."
     )
     name: str = Field(description="The output or input that it concerns; empty: the whole record.")
     t: Number | None = Field(description="Time in s after the first row at which it shows, or null.")
@@ -183,9 +184,7 @@ class MisfitSuspect(Strict):
 
     model_config = example(**_SUSPECT)
 
-    kind: Literal[*("time", "output", "offset", "fahrenheit", "input", "swap-inputs", "swap-outputs", "parameter"),] = (
-        Field(description="What would have to be different.")
-    )
+    kind: SuspectKind = Field(description="What would have to be different.")
     name: str = Field(description="Of the output, input or parameter; `*`: all of them; two names for a swap.")
     factor: Number | None = Field(description="By which it would have to be multiplied; of an offset the addend.")
     gain: Number = Field(description="Fall of −2 log L with it.")
@@ -226,15 +225,26 @@ class FitReport(Strict):
     advice: tuple[Sentence, ...] = Field(description="What would help.")
 
 
+class RecordFit(Strict):
+    """The fit of a plant on the healthy stretch of a record, and the plant with the fitted parameters."""
+
+    model_config = example(report=_FIT, plant="dts200")
+
+    report: FitReport = Field(description="Does the model fit, as it is and with the fitted parameters?")
+    plant: PlantChoice = Field(description="The complete plant with the fitted parameters.")
+
+
 class FaultCandidate(Strict):
     """One explanation of a fault."""
 
     model_config = example(**_CANDIDATE)
 
     channel: str = Field(description="The fault channel.")
-    title: str = Field(description="Its title in the plant.")
+    title: Sentence = Field(description="Its title in the plant.")
     unit: str = Field(description="Its unit.")
-    shape: Shape = Field(description="Its course: a step, a ramp, a step that goes on as a ramp, an exponential rise.")
+    shape: Shape = Field(
+        description="Its course; a drift is a step that goes on as a ramp, a plateau is a ramp that ends."
+    )
     onset: Interval = Field(description="Time in s after the first row at which it began.")
     size: Interval = Field(description="Its size at its end, or at the end of the record.")
     rate: Number = Field(description="Its rate of change there, per second.")

@@ -59,7 +59,8 @@ async def create_record(
     mapping = ColumnMapping()
     if name is None:
         body = await read_body(request, services.settings.max_record)
-        name, data, choice = await run_in_threadpool(lambda: _of_json(json_of(body)))
+        name, data, record = await run_in_threadpool(lambda: _of_json(json_of(body)))
+        choice, mapping = record.plant, record.mapping
     else:
         data, choice = await read_bytes(request, services.settings.max_record), plant
         if plant is not None:
@@ -71,14 +72,19 @@ async def create_record(
     return _answer(_with_id(inspection, stored.id), language, 201)
 
 
-def _of_json(data: Any) -> tuple[str, bytes, Any]:
-    """Return the name, bytes and plant of a record in JSON; columns become a JSON file of columns."""
+def _of_json(data: Any) -> tuple[str, bytes, Record]:
+    """Return the name and bytes of a record in JSON, and the record."""
     record = validated(Record, data)
+    return *record_bytes(record), record
+
+
+def record_bytes(record: Record) -> tuple[str, bytes]:
+    """Return name and bytes of a record that came as JSON; columns become a JSON file of columns."""
     if (record.csv is None) == (record.columns is None):
         raise invalid("columns", None, Message("record.columns-or-csv"))
     if record.csv is not None:
-        return "record.csv", record.csv.encode(), record.plant
-    return "record.json", orjson.dumps(record.columns), record.plant
+        return "record.csv", record.csv.encode()
+    return "record.json", orjson.dumps(record.columns)
 
 
 @router.get("", response_model=RecordList)
@@ -174,7 +180,7 @@ async def _inspection(request: Request, services: Services, record: RecordFile) 
 def links(id: str) -> dict[str, str]:
     """Return the addresses of a record's parts."""
     base = f"/api/records/{id}"
-    return {"self": base, "mapping": f"{base}/mapping", "preview": f"{base}/preview"}
+    return {"self": base} | {part: f"{base}/{part}" for part in ("mapping", "preview", "diagnosis", "fit")}
 
 
 def _with_id(inspection: RecordInspection, id: str) -> RecordInspection:

@@ -1,48 +1,73 @@
-"""/api/diagnosis: diagnose a record; /api/observability: test whether an experiment can reveal its faults."""
+"""/api/diagnosis and /api/records/…/diagnosis: diagnose a record; /api/observability: can faults be told apart?"""
 
-from typing import Any
-
-import numpy as np
 from fastapi import APIRouter, Request
+from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
+from thetascope.access.principal import principal_of
 from thetascope.api.http.computed import computed
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed
-from thetascope.api.http.services import Use
+from thetascope.api.http.services import Services, Use
+from thetascope.api.routes.record_files import record_bytes
 from thetascope.engine.errors import SpecError
 from thetascope.live.wire.localize import encode
-from thetascope.messages import Message
-from thetascope.runs.specs.refusals import from_engine, invalid, validated
+from thetascope.runs.specs.refusals import from_engine, validated
 from thetascope.runs.specs.resolve_spec import plant_of, resolved
-from thetascope_schemas.experiment.diagnosis import Observability, ObserverDiagnosis
+from thetascope_schemas.experiment.diagnosis import Observability
 from thetascope_schemas.experiment.experiment import Experiment
-from thetascope_schemas.experiment.plant import Plant
-from thetascope_schemas.service.record import MOST_ROWS, Record
+from thetascope_schemas.service.record import Record
+from thetascope_schemas.service.record_diagnosis import RecordDiagnosis, RecordDiagnosisRequest, RecordFit
 
 router = APIRouter(tags=["diagnosis"])
 
 
 @router.post(
     "/diagnosis",
-    response_model=ObserverDiagnosis,
+    response_model=RecordDiagnosis,
     openapi_extra=body_schema("Record"),
     responses=documented(404, 413, 415, 422),
 )
 async def diagnose_record(request: Request, services: Use, language: Language) -> Response:
-    """Diagnose a record: return faults, onsets, sizes and their uncertainty, as `thetascope diagnose` does for a file.
+    """Diagnose a record that is not stored: does the model fit, and which faults does it show?"""
+    from thetascope.assembly.analyses.record_diagnosis import diagnose_file  # imports the engine
 
-    The noise is estimated from the record; thresholds are computed by simulating the plant with the recorded inputs.
+    record = await parsed(request, services.settings.max_record, lambda data: validated(Record, data))
+    name, data = record_bytes(record)
+    given = (name, data, plant_of(record.plant), record.mapping, record.settings)
+    return await _computed(request, services, language, diagnose_file, *given)
+
+
+@router.post(
+    "/records/{id}/diagnosis",
+    response_model=RecordDiagnosis,
+    openapi_extra=body_schema("RecordDiagnosisRequest"),
+    responses=documented(404, 413, 415, 422),
+)
+async def diagnose_stored_record(request: Request, id: str, services: Use, language: Language) -> Response:
+    """Diagnose a stored record: does the model fit, and which faults does it show?
+
+    Faults are only named where the model fits the healthy stretch; else the answer says what would help.
     """
-    from thetascope.assembly.analyses.record_diagnosis import diagnose_columns  # imports the engine
+    from thetascope.assembly.analyses.record_diagnosis import diagnose_file  # imports the engine
 
-    record, plant, columns = await parsed(request, services.settings.max_record, _read)
-    try:
-        diagnosis = await computed(request, services, diagnose_columns, plant, columns, record.diagnosis, record.learn)
-    except SpecError as error:
-        raise from_engine(error) from None
-    return Response(encode(diagnosis, language), media_type="application/json")
+    given = await _given(request, services, id)
+    return await _computed(request, services, language, diagnose_file, *given)
+
+
+@router.post(
+    "/records/{id}/fit",
+    response_model=RecordFit,
+    openapi_extra=body_schema("RecordDiagnosisRequest"),
+    responses=documented(404, 413, 415, 422),
+)
+async def fit_stored_record(request: Request, id: str, services: Use, language: Language) -> Response:
+    """Fit parameters of the plant on the healthy stretch of a stored record; return the fitted plant."""
+    from thetascope.assembly.analyses.record_diagnosis import fit_file  # imports the engine
+
+    given = await _given(request, services, id)
+    return await _computed(request, services, language, fit_file, *given)
 
 
 @router.post(
@@ -63,25 +88,18 @@ async def observe(request: Request, services: Use, language: Language) -> Respon
     return Response(encode(report, language), media_type="application/json")
 
 
-def _read(data: Any) -> tuple[Record, Plant, dict[str, np.ndarray]]:
-    record = validated(Record, data)
-    return record, plant_of(record.plant), _columns(record)
+async def _given(request: Request, services: Services, id: str) -> tuple:
+    """Return name and bytes of a stored record, and the plant, mapping and settings that were posted."""
+    asked = await parsed(request, services.settings.max_body, lambda data: validated(RecordDiagnosisRequest, data))
+    plant = plant_of(asked.plant)
+    record = await run_in_threadpool(lambda: services.records.get(id, principal_of(request.scope)))
+    return record.name, record.data, plant, asked.mapping, asked.settings
 
 
-def _columns(record: Record) -> dict[str, np.ndarray]:
-    from thetascope.assembly.analyses.csv_columns import columns_of_csv
-
-    if record.csv is not None and record.columns is None:
-        columns = columns_of_csv(record.csv)
-    elif record.columns is not None and record.csv is None:
-        columns = {name: np.array(values) for name, values in record.columns.items()}
-    else:
-        raise invalid("columns", None, Message("record.columns-or-csv"))
-    rows = {len(column) for column in columns.values()}
-    if len(rows) > 1:
-        name = next(n for n, column in columns.items() if len(column) < max(rows))
-        problem = Message("record.columns.uneven", rows=max(rows))
-        raise invalid(f"columns.{name}", len(columns[name]), problem)
-    if max(rows, default=0) > MOST_ROWS:
-        raise invalid("columns", max(rows), Message("record.rows.over-limit", rows=max(rows), limit=MOST_ROWS))
-    return columns
+async def _computed(request: Request, services: Services, language: str, work, *given) -> Response:
+    """Return the answer of work that is done in a worker process."""
+    try:
+        answer = await computed(request, services, work, *given)
+    except SpecError as error:
+        raise from_engine(error) from None
+    return Response(encode(answer, language), media_type="application/json")

@@ -1,271 +1,349 @@
-"""Diagnose a record of a real plant: the detector runs on the columns of a file instead of a simulation.
+"""Diagnose a recording of a plant: the answer of diagnosis/records as the schema that REST and the page show."""
 
-The noise is unknown, so it is estimated from the data: first from differences of neighbouring samples, then from those
-of the filter's innovations, which no longer contain the plant's motion or constant faults. Medians are used, so that
-events in a part of the record have little effect. Thresholds are computed by simulating the plant with the recorded
-inputs and this noise. A model never fits a plant exactly: apparent faults in an initial stretch that is known to be
-healthy (``learn``) are attributed to the model, and ``doubt`` is the assumed model error.
-"""
-
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
 
 import numpy as np
-from pydantic import ValidationError
+import orjson
 
-from thetascope.assembly.build.diagnosis_settings import calibration_key, detector_settings
-from thetascope.assembly.build.prepare import prepare
-from thetascope.diagnosis.detection.window_tests import WindowSums
-from thetascope.diagnosis.isolation.decision_state import DecisionState
-from thetascope.diagnosis.monitor.detector import Detector, prepare_detector, unwatchable
-from thetascope.diagnosis.monitor.monitor import MonitorState
-from thetascope.diagnosis.outcome.diagnose_run import RunDiagnosis
-from thetascope.diagnosis.outcome.findings import detector_report
-from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter
-from thetascope.diagnosis.yield_points import run_to_end
-from thetascope.engine.errors import SpecError, Unwatchable
-from thetascope.engine.simulation.experiment import Experiment as Engine
-from thetascope.engine.simulation.simulation import row_values
+from thetascope.assembly.analyses import record_words as words
+from thetascope.assembly.analyses.record_inspection import inspected_file, recording_in
+from thetascope.diagnosis.recording import Recording
+from thetascope.diagnosis.records.diagnose import (
+    AUTO,
+    NEVER,
+    NotIntegrable,
+    RecordAnswer,
+    RecordSettings,
+    diagnose,
+)
+from thetascope.diagnosis.records.findings import Candidate, Estimate, RecordFault
+from thetascope.diagnosis.records.fit_check import FitCheck
+from thetascope.diagnosis.records.naming import EQUAL
+from thetascope.diagnosis.sentences import joined
+from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
-from thetascope_schemas import Plant, ResolvedExperiment
-from thetascope_schemas.experiment.diagnosis import DiagnosisSettings, ObserverDiagnosis
-from thetascope_schemas.service.field_error import field_errors
+from thetascope_schemas import Plant
+from thetascope_schemas.service.record_diagnosis import RecordDiagnosis, RecordFit
+from thetascope_schemas.service.record_diagnosis import RecordSettings as Settings
+from thetascope_schemas.service.record_inspection import ColumnMapping
 
-_FEWEST_ROWS = 200  # fewest rows of a record
-_EVEN = 0.05  # tolerance for equal spacing, relative to the period; times are often rounded
-_LARGEST = 1e30  # beyond the range of every sensor
-_MEDIAN = 0.4549  # of the square of a standard normal number
-_ROUNDS = 3  # of estimating the noise,
-_SURE = 0.01  # the filter uses this share of the doubt: a filter that follows the noise would underestimate it
-_LAGS = 8  # most samples for which noise may be held
-_STANDS_OUT = 5.0  # ratio of squared differences where a sensor's value is new to all others
-_FINEST = 20  # simulation steps per sample
+FEWEST_ROWS = 100  # of a record
+_POINTS = 800  # of the curve of the statistic
+_STRONG = 4.0  # times the threshold: a fault that the healthy stretch does not cover counts only above it
 
 
-@dataclass(frozen=True)
-class Recording:
-    """Samples at equal distances: t (rows) from 0 on, y (rows, m), inputs and known signals by name."""
-
-    period: float
-    t: np.ndarray
-    y: np.ndarray
-    inputs: dict[str, np.ndarray]
-    signals: dict[str, np.ndarray]
-
-
-def recording(plant: Plant, columns: Mapping[str, np.ndarray]) -> Recording:
-    """Return the plant's columns: ``t``, inputs, signals and outputs, with or without the prefix u., signal. or y.
-
-    Inputs and signals that are missing keep their defaults. Raises SpecError for a missing output, a missing input that
-    a controller sets, uneven times and gaps.
-    """
-    t = _column(columns, ("t", "time"), "t")
-    if len(t) < _FEWEST_ROWS:
-        raise SpecError("t", len(t), Message("record.too-short", rows=len(t), least=_FEWEST_ROWS))
-    period = _period(t)
-    y = np.stack([_column(columns, (f"y.{n}", n), f"y.{n}") for n in plant.names("outputs")], axis=1)
-    inputs_and_signals = [
-        {
-            n: _column(columns, (f"{prefix}.{n}", n), f"{prefix}.{n}")
-            for n in plant.names(group)
-            if f"{prefix}.{n}" in columns or n in columns or n in plant.controlled
-        }
-        for prefix, group in (("u", "inputs"), ("signal", "signals"))
-    ]
-    return Recording(period, np.arange(len(t)) * period, y, *inputs_and_signals)
-
-
-def _period(t: np.ndarray) -> float:
-    """Return the sample period in s. Raises SpecError unless samples are equally spaced up to rounding of times."""
-    steps = np.diff(t)
-    usual = float(np.median(steps))
-    wrong = np.flatnonzero(np.abs(steps - usual) > 0.5 * max(usual, 1e-300))
-    period = float(t[-1] - t[0]) / (len(t) - 1)
-    if not len(wrong) and period > 0:
-        off = t - t[0] - period * np.arange(len(t))
-        wrong = np.flatnonzero(np.abs(off[1:]) > max(_EVEN * period, 1.01 * _resolution(t)))
-    if period <= 0 or len(wrong):
-        row = int(wrong[0]) + 1 if len(wrong) else 1
-        raise SpecError("t", float(t[row]), Message("record.t.uneven", row=row + 1, step=usual))
-    return period
-
-
-def _resolution(t: np.ndarray) -> float:
-    """Return the decimal place to which all times are rounded if it is a coarse one, else 0.
-
-    Rounding shifts each time, and both ends, by at most half of it.
-    """
-    for place in (1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
-        if (np.abs(t / place - np.rint(t / place)) < 1e-6 * np.maximum(1.0, np.abs(t / place))).all():
-            return place if place < np.median(np.diff(t)) / 2 else 0.0
-    return 0.0
-
-
-def _column(columns: Mapping[str, np.ndarray], names: tuple[str, ...], field: str) -> np.ndarray:
-    name = next((n for n in names if n in columns), None)
-    if name is None:
-        raise SpecError(field, None, Message("record.column.missing", names=names, columns=list(columns)))
-    values = np.asarray(columns[name], dtype=float)
-    good = np.abs(values) < _LARGEST
-    if not good.all():
-        row = int(np.flatnonzero(~good)[0])
-        code = "record.value.too-large" if np.isfinite(values[row]) else "record.value.no-number"
-        raise SpecError(field, str(values[row]), Message(code, row=row + 1))
-    return values
+def diagnose_file(name: str, data: bytes, plant: Plant, mapping: ColumnMapping, settings: Settings) -> RecordDiagnosis:
+    """Return the diagnosis of a file. Raises SpecError as `inspected_file`, `recording_in` and `diagnose_recording`."""
+    return diagnose_recording(plant, recording_in(inspected_file(name, data, plant, mapping)), settings)
 
 
 def diagnose_columns(
-    plant: Plant, columns: Mapping[str, np.ndarray], settings: DiagnosisSettings, learn: float
-) -> ObserverDiagnosis:
-    """Return the diagnosis of a record's columns; see `recording` and `diagnose_recording`."""
-    return diagnose_recording(plant, recording(plant, columns), settings, learn)
+    plant: Plant,
+    columns: Mapping[str, np.ndarray | list],
+    settings: Settings | None = None,
+    mapping: ColumnMapping | None = None,
+) -> RecordDiagnosis:
+    """Return the diagnosis of columns by name, read as those of a file; raises as `diagnose_file`."""
+    data = orjson.dumps({name: np.asarray(c).tolist() for name, c in columns.items()})
+    return diagnose_file("record.json", data, plant, mapping or ColumnMapping(), settings or Settings())
+
+
+def fit_file(name: str, data: bytes, plant: Plant, mapping: ColumnMapping, settings: Settings) -> RecordFit:
+    """Return the fit of a plant to the healthy stretch of a file; raises as `diagnose_file`."""
+    recording = recording_in(inspected_file(name, data, plant, mapping))
+    report, fitted = fitted_plant(plant, recording, settings)
+    return RecordFit.model_validate({"report": report, "plant": fitted})
 
 
 def diagnose_recording(
-    plant: Plant, record: Recording, settings: DiagnosisSettings, learn: float = 0.0
-) -> ObserverDiagnosis:
-    """Return the detector's findings in a record. ``learn``: seconds at its beginning that are known to be healthy.
+    plant: Plant, recording: Recording, settings: Settings, progress: Callable[[int], None] = lambda row: None
+) -> RecordDiagnosis:
+    """Return the diagnosis of a recording.
 
-    Raises SpecError where the plant or the record is not suitable.
+    Raises SpecError for a recording that is too short, for a plant that cannot be integrated along it, and for names of
+    parameters that the plant does not have.
     """
-    record = _fresh(record)
-    plant = plant.model_copy(update={"controllers": (), "references": ()})  # the record holds the applied inputs
-    spec = _spec(plant, record, settings)
-    experiment = prepare(spec).engine
-    why = unwatchable(experiment, experiment.context)
-    if why:
-        raise SpecError("plant", plant.id, Message("record.no-detector", reason=why))
-    if not 0 <= learn <= 0.9 * (spec.horizon or 0.0):
-        raise SpecError("learn", learn, Message("record.learn.too-long", length=spec.horizon, most=0.9 * spec.horizon))
-    experiment = _with_noise(experiment, record, settings.doubt)
-    if not np.isfinite(experiment.measurement.std).all():
-        raise SpecError("plant", plant.id, Message("record.filter.diverges"))
-    noise = dict(zip(plant.names("outputs"), experiment.measurement.std, strict=True))
-    measured = {n: {"std": float(s), "sample_time": record.period} for n, s in noise.items()}
-    spec = ResolvedExperiment.model_validate(spec.model_dump() | {"noise": measured})
+    return RecordDiagnosis.model_validate(_report(plant, answer_of(plant, recording, settings, progress)))
+
+
+def fitted_plant(plant: Plant, recording: Recording, settings: Settings) -> tuple[dict, Plant]:
+    """Return the fit of a plant (the shape of FitReport), and the plant with the fitted parameters."""
+    answer = answer_of(plant, recording, settings)
+    fitted = {p.name: p.value for p in answer.parameters.parameters} if answer.parameters else {}
+    data = plant.model_dump()
+    for parameter in data["parameters"]:
+        parameter["value"] = fitted.get(parameter["name"], parameter["value"])
+    return _fit(plant, answer), Plant.model_validate(data)
+
+
+def answer_of(
+    plant: Plant, recording: Recording, settings: Settings, progress: Callable[[int], None] = lambda row: None
+) -> RecordAnswer:
+    """Return the answer of the engine's side; raises as `diagnose_recording`."""
+    if len(recording) < FEWEST_ROWS:
+        raise SpecError("t", len(recording), Message("record.too-short", rows=len(recording), least=FEWEST_ROWS))
+    names = plant.names("parameters")
+    for i, name in enumerate(settings.parameters):
+        if name not in names:
+            field = f"settings.parameters.{i}"
+            raise SpecError(field, name, Message("record.parameter.unknown", name=name, known=names))
+    fit = {"auto": AUTO, "never": NEVER}.get(settings.fit, settings.parameters or tuple(names))
+    stretch = settings.healthy
+    if stretch is not None and stretch.begin >= min(stretch.end, float(recording.t[-1] - recording.t[0])):
+        raise SpecError("settings.healthy.begin", stretch.begin, Message("record.healthy.outside"))
+    given = None if stretch is None else (stretch.begin, stretch.end)
+    engine_settings = RecordSettings(given, settings.false_alarms, fit)
     try:
-        detector = run_to_end(
-            prepare_detector(experiment, experiment.context, detector_settings(spec), calibration_key(spec))
-        )
-    except Unwatchable as error:
-        raise SpecError("plant", plant.id, Message("record.not-calibrated", reason=error.args[0])) from None
-    state = _monitor_record(detector, experiment, record, learn)
-    run_diagnosis = RunDiagnosis(detector, state, (), detector.interval, _defaults(plant, record))
-    report = detector_report(
-        run_diagnosis,
-        settings.confidence,
-        settings.accuracy,
-        spec.horizon,
-        max(_learnt_until(detector, record, learn), detector.thresholds.begin),
-    )
-    report["noise"] = [{"output": n, "declared": None, "estimated": float(s)} for n, s in noise.items()]
-    return ObserverDiagnosis.model_validate(report)
+        with np.errstate(all="ignore"):
+            return diagnose(plant.model_dump(mode="json"), recording, engine_settings, progress)
+    except NotIntegrable:
+        raise SpecError("plant", plant.id, Message("record.not-integrable")) from None
 
 
-def _spec(plant: Plant, record: Recording, settings: DiagnosisSettings) -> ResolvedExperiment:
-    """Return the experiment of the plant with the recorded inputs, held between samples."""
-
-    def held(values: np.ndarray) -> dict:
-        return {"kind": "table", "times": record.t.tolist(), "values": values.tolist(), "interpolation": "hold"}
-
-    fine = 1 if plant.time.kind == "discrete" else _FINEST
-    data = {
-        "plant": plant,
-        "inputs": {n: held(v) for n, v in record.inputs.items()},
-        "signals": {n: held(v) for n, v in record.signals.items()},
-        "step": record.period / fine,
-        "evaluate": record.period,
-        "horizon": record.period * (len(record.t) - 1),
-        "diagnosis": settings,
-        "noise": {n: {"std": 1.0, "sample_time": record.period} for n in plant.names("outputs")},
+def _report(plant: Plant, answer: RecordAnswer) -> dict:
+    """Return the diagnosis as plain data."""
+    faults = [_fault(plant, answer, fault, i) for i, fault in enumerate(answer.faults)]
+    begin, end = answer.healthy
+    return {
+        "sentence": _summary(answer, faults),
+        "fit": _fit(plant, answer),
+        "healthy": {
+            "begin": answer.begin,
+            "end": _time(answer, end - begin - 1),
+            "given": answer.given,
+            "rows": end - begin,
+        },
+        "faults": faults,
+        "missing": _missing(plant, answer, faults),
+        "visible": [
+            {
+                "channel": channel.name,
+                "unit": channel.unit,
+                "smallest": float(smallest) if np.isfinite(smallest) else None,
+                "typical": channel.typical,
+            }
+            for channel, smallest in zip(plant.channels, answer.smallest, strict=False)
+        ],
+        "decisions": [_decision(plant, answer, d) for d in answer.decisions],
+        "threshold": answer.threshold or None,
+        "false_alarms": answer.rate or 0.01,
+        "rows": len(answer.rows.t),
+        "duration": float(answer.rows.t[-1] - answer.rows.t[0]),
+        "statistic": _curve(answer),
+        "notes": _notes(answer),
     }
-    try:
-        return ResolvedExperiment.model_validate(data)
-    except ValidationError as error:
-        first = field_errors(error.errors(include_url=False))[0]
-        raise SpecError(first.field, first.value, Message.from_data({"code": first.code, "args": first.args})) from None
 
 
-def _with_noise(experiment: Engine, record: Recording, doubt: float) -> Engine:
-    """Return the experiment with the noise estimated from the record."""
-    std = _scatter(record.y)
-    std = np.maximum(std, 1e-9 * np.maximum(np.abs(record.y).max(axis=0), 1e-12))
-    known = np.zeros(sum(n.startswith("theta.") for n in experiment.plant.inputs))
-    for _ in range(_ROUNDS):
-        experiment = replace(experiment, measurement=replace(experiment.measurement, std=tuple(float(s) for s in std)))
-        innovation_filter = InnovationFilter(experiment, experiment.context, _SURE * doubt)
-        index, table = _table(experiment, record, innovation_filter)
-        nu = innovation_filter.run(innovation_filter.start(), known, table, index * experiment.step).nu
-        std = std * np.maximum(_scatter(nu), 1e-6)
-    return replace(experiment, measurement=replace(experiment.measurement, std=tuple(float(s) for s in std)))
+def _time(answer: RecordAnswer, row: int) -> float:
+    """Return the time of a row after the first judged one, in s."""
+    return float(answer.rows.t[min(row, len(answer.rows.t) - 1)])
 
 
-def _scatter(values: np.ndarray) -> np.ndarray:
-    """Return the standard deviation of noise from differences, one number per column."""
-    return np.sqrt(np.median(np.diff(values, axis=0) ** 2, axis=0) / (2 * _MEDIAN))
+def _summary(answer: RecordAnswer, faults: list[dict]) -> Message:
+    """Return the result in a sentence."""
+    if not answer.fits:
+        return Message("record.summary.misfit")
+    confirmed = [f["text"] for f in faults if f["confirmed"]]
+    if confirmed:
+        return Message("record.summary.faults", faults=joined(confirmed))
+    return Message("record.summary.none", end=float(answer.rows.t[-1]))
 
 
-def _fresh(record: Recording) -> Recording:
-    """Return the record without repeated samples: where sensors hold values, every n-th difference is large."""
-    squares = np.diff(record.y, axis=0) ** 2
-    for every in range(2, _LAGS + 1):
-        phases = np.array([np.median(squares[k::every], axis=0) for k in range(every)])
-        largest = int(phases.sum(axis=1).argmax())
-        others = np.delete(phases, largest, axis=0).max(axis=0)
-        if (phases[largest] > _STANDS_OUT * others).all():
-            rows = slice((largest + 1) % every, None, every)
-            thin = {name: {n: v[rows] for n, v in getattr(record, name).items()} for name in ("inputs", "signals")}
-            t = record.t[rows]
-            return Recording(every * record.period, t - t[0], record.y[rows], **thin)
-    return record
+# ---- the fit -------------------------------------------------------------------------------------------------------
 
 
-def _table(experiment: Engine, record: Recording, innovation_filter: InnovationFilter) -> tuple[np.ndarray, np.ndarray]:
-    index = np.arange(len(record.t)) * experiment.every
-    values = row_values(experiment, index, np.zeros((len(index), len(experiment.plant.states))))
-    return index, innovation_filter.table(index, record.y, values, experiment.signals)
+def _fit(plant: Plant, answer: RecordAnswer) -> dict:
+    """Return the shape of FitReport."""
+    check = answer.check
+    reasons = [_reason(answer, finding) for finding in check.findings]
+    suspects = [*check.suspects, *answer.suspects]
+    verdict = "does-not-fit" if not answer.fits else "fits-after-fit" if answer.parameters else "fits"
+    units = {p.name: p.unit for p in plant.parameters}
+    noise = answer.noise
+    steps = np.sqrt(noise.noise.q * np.median(answer.rows.width)) if noise else np.zeros(0)
+    return {
+        "verdict": verdict,
+        "text": words.verdict_sentence(answer, [r["text"] for r in reasons]),
+        "outputs": _outputs(plant, answer, check),
+        "before": _outputs(plant, answer, answer.before) if answer.before else (),
+        "reasons": reasons,
+        "suspects": [
+            {
+                "kind": getattr(s, "kind", "parameter"),
+                "name": s.name,
+                "factor": s.factor if np.isfinite(s.factor) else None,
+                "gain": s.gain,
+                "simulated": getattr(s, "simulated", None),
+                "text": words.suspect_sentence(s),
+            }
+            for s in suspects
+        ],
+        "parameters": [
+            {
+                "name": p.name,
+                "unit": units[p.name],
+                "before": p.before,
+                "value": p.value,
+                "std": p.std if np.isfinite(p.std) else None,
+                "held": p.held,
+            }
+            for p in (answer.parameters.parameters if answer.parameters else ())
+        ],
+        "process_noise": {n: float(s) for n, s in zip(plant.names("states"), steps, strict=False)},
+        "advice": words.advice(answer) if not answer.fits else (),
+    }
 
 
-def _monitor_record(detector: Detector, experiment: Engine, record: Recording, learn: float) -> MonitorState:
-    """Return the monitor's state after the record, starting after the stretch that is learnt."""
-    index, table = _table(experiment, record, detector.filter)
-    t = index * experiment.step
-    detector.filter.learn_repeats(record.y)
-    first = _learnt_until(detector, record, learn)
-    if first <= detector.thresholds.begin:
-        return run_to_end(detector.advance(detector.begin(), table, t))
-    rows = first * detector.stride
-    state, base = _learnt(detector, table[:rows], t[:rows])
-    detector.filter.base = base
-    initial = DecisionState.initial(replace(detector.thresholds, begin=first), detector.filter.p, detector.filter.m)
-    none = WindowSums.empty(detector.filter.p, detector.filter.m)
-    state = MonitorState(initial, replace(none, first=first), state[None, :], table[:0], t[:0], detector.stride)
-    return run_to_end(detector.advance(state, table[rows:], t[rows:]))
+def _outputs(plant: Plant, answer: RecordAnswer, check: FitCheck) -> list[dict]:
+    """Return how well each output fits."""
+    reports = []
+    for k, (output, fit) in enumerate(zip(plant.outputs, check.outputs, strict=True)):
+        memory = 0.0
+        if answer.noise is not None and answer.noise.coloured:
+            noise, period = answer.noise.noise, float(np.median(answer.rows.width))
+            share = noise.s2[k] / (noise.s2[k] + noise.r[k])
+            memory = float(share * np.exp(-noise.rate[k] * period))
+        reports.append(
+            {
+                "output": output.name,
+                "unit": output.unit,
+                "predicted": fit.predicted,
+                "simulated": fit.simulated if np.isfinite(fit.simulated) else None,
+                "noise": fit.noise,
+                "memory": memory,
+                "innovation": fit.innovation,
+                "bias": fit.bias,
+                "whiteness": fit.whiteness,
+                "text": words.output_sentence(output.name, fit),
+            }
+        )
+    return reports
 
 
-def _learnt_until(detector: Detector, record: Recording, learn: float) -> int:
-    """Return the decision up to which a record is assumed to be healthy."""
-    return min(round(learn / detector.interval), len(record.t) // detector.stride - 2)
+def _reason(answer: RecordAnswer, finding) -> dict:
+    t = None if finding.row is None else float(answer.rows.t[min(finding.row, len(answer.rows.t) - 1)])
+    return {"kind": finding.kind, "name": finding.name, "t": t, "text": words.reason_sentence(finding, t)}
 
 
-def _defaults(plant: Plant, record: Recording) -> Message | None:
-    """Return which inputs and signals are missing in the record, or None."""
-    missing = [
-        name
-        for group, recorded in (("inputs", record.inputs), ("signals", record.signals))
-        for name in plant.names(group)
-        if name not in recorded
-    ]
-    return Message("diagnosis.record.defaults", names=missing) if missing else None
+# ---- faults --------------------------------------------------------------------------------------------------------
 
 
-def _learnt(detector: Detector, table: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the filter after a healthy stretch, and the θ that fits it (zero where the stretch has no information)."""
-    filter_, cal = detector.filter, detector.thresholds
-    outputs = filter_.run(filter_.start(), np.zeros(filter_.p), table, t)
-    rows = slice(cal.begin * detector.stride, None)
-    omega, nu = outputs.omega[rows].reshape(-1, filter_.p), outputs.nu[rows].ravel()
-    typical = np.array([float(c.get("typical", 1.0)) for c in filter_.context.model["channels"]])
-    base = np.linalg.solve(omega.T @ omega + np.diag(typical**-2.0), omega.T @ nu)
-    last = outputs.states[-1]
-    return filter_.shifted(last, base), base
+def _title(plant: Plant, answer: RecordAnswer, channel: int) -> tuple[str, str | Message, str]:
+    """Return name, title and unit of a channel; an additive fault that the plant lacks has no name."""
+    if channel < answer.model.own:
+        c = plant.channels[channel]
+        return c.name, c.title or c.name, c.unit
+    target = answer.model.targets[channel - answer.model.own]
+    outputs = {o.name: o.unit for o in plant.outputs}
+    if target in outputs:
+        return "", Message("record.fault.additive-output", target=target), outputs[target]
+    unit = next(s.unit for s in plant.states if s.name == target)
+    return "", Message("record.fault.additive-state", target=target), f"{unit}/s" if unit else "1/s"
+
+
+def _interval(estimate: Estimate) -> dict:
+    return {"value": estimate.value, "low": estimate.low, "high": estimate.high}
+
+
+def _candidate(plant: Plant, answer: RecordAnswer, candidate: Candidate, ended: float | None) -> dict:
+    name, title, unit = _title(plant, answer, candidate.event.channel)
+    return {
+        "channel": name,
+        "title": title,
+        "unit": unit,
+        "shape": candidate.event.shape,
+        "onset": _interval(candidate.onset),
+        "size": _interval(candidate.size),
+        "rate": candidate.rate,
+        "bound": candidate.bound,
+        "behind": candidate.behind,
+        "separable": candidate.behind == 0 or candidate.behind > EQUAL,
+        "text": words.candidate_sentence(candidate, title, unit, ended),
+    }
+
+
+def _fault(plant: Plant, answer: RecordAnswer, fault: RecordFault, place: int) -> dict:
+    """Return a fault as plain data."""
+    best = _candidate(plant, answer, fault.best, fault.ended)
+    others = sorted(fault.others, key=lambda o: o.behind)
+    equal = [_title(plant, answer, o.event.channel)[1] for o in others if o.behind <= EQUAL]
+    covered = answer.covered(fault.best.event.onset)
+    doubtful = not covered and fault.statistic < _STRONG * answer.threshold
+    note = None
+    if fault.best.size.holds_zero:
+        note = Message("record.fault.holds-zero")
+    elif doubtful:
+        note = Message("record.fault.uncovered")
+    elif equal:
+        note = Message("record.fault.not-separable", others=equal)
+    return {
+        "id": f"fault-{place + 1}",
+        "best": best,
+        "alternatives": [_candidate(plant, answer, o, fault.ended) for o in others],
+        "alarm": fault.alarm,
+        "statistic": fault.statistic,
+        "ended": fault.ended,
+        "confirmed": fault.confirmed and not doubtful,
+        "covered": covered,
+        "text": best["text"],
+        "note": note,
+    }
+
+
+def _missing(plant: Plant, answer: RecordAnswer, faults: list[dict]) -> list[dict]:
+    """Return the faults that no channel of the plant explains."""
+    missing = []
+    for fault, data in zip(answer.faults, faults, strict=True):
+        channel = fault.best.event.channel
+        if channel >= answer.model.own:
+            target = answer.model.targets[channel - answer.model.own]
+            own = [o.behind for o in fault.others if o.event.channel < answer.model.own]
+            part = "output" if target in plant.names("outputs") else "state"
+            missing.append(
+                {
+                    "target": target,
+                    "fault": data["id"],
+                    "gain": min(own, default=fault.statistic),
+                    "size": fault.best.size.value,
+                    "unit": data["best"]["unit"],
+                    "text": Message(f"record.missing.{part}", target=target),
+                }
+            )
+    return missing
+
+
+def _decision(plant: Plant, answer: RecordAnswer, decision) -> dict:
+    event, t = decision.story.event, answer.rows.t
+    return {
+        "t": float(t[decision.row]),
+        "statistic": decision.statistic,
+        "judged": float(t[min(decision.judged, len(t)) - 1]),
+        "action": "revised" if decision.revised else "added",
+        "channel": _title(plant, answer, event.channel)[0],
+        "onset": event.onset,
+    }
+
+
+def _curve(answer: RecordAnswer) -> dict | None:
+    """Return the statistic along the record, the largest in each interval."""
+    if not len(answer.statistic):
+        return None
+    edges = np.unique(np.linspace(0, len(answer.statistic), _POINTS + 1).astype(int))[:-1]
+    return {
+        "t": answer.rows.t[edges].tolist(),
+        "largest": np.maximum.reduceat(answer.statistic, edges).tolist(),
+    }
+
+
+def _notes(answer: RecordAnswer) -> list[Message]:
+    """Return assumptions and limitations."""
+    notes = []
+    if not answer.given and answer.fits:
+        end = float(answer.rows.t[min(answer.healthy[1] - answer.healthy[0], len(answer.rows.t)) - 1])
+        notes.append(Message("record.note.found-stretch", end=end))
+    if answer.noise is not None and answer.noise.coloured:
+        notes.append(Message("record.note.coloured"))
+    gaps = int((answer.rows.extra_at >= 0).sum())
+    if gaps:
+        notes.append(Message("record.note.gaps", n=gaps))
+    return notes

@@ -73,10 +73,10 @@ def fits_inline(program: Program, layout: Layout) -> bool:
 
 def emit(program: Program, layout: Layout) -> str:
     """Return the IR text of a module with the functions ``run`` and ``run_each``."""
-    return _Module(program, layout).text()
+    return Module(program, layout).text()
 
 
-class _Module:
+class Module:
     """Generator of the module of one program and layout. A method named after a part of the loop appends its IR."""
 
     def __init__(self, program: Program, layout: Layout):
@@ -133,9 +133,9 @@ class _Module:
 
         ``leaves`` maps states and t to values; ``memo`` holds the values of nodes that are already emitted.
         """
-        return self._nodes(w, leaves, where, memo, self.order, self.roots)
+        return self.nodes(w, leaves, where, memo, self.order, self.roots)
 
-    def _nodes(
+    def nodes(
         self,
         w: Writer,
         leaves: dict,
@@ -176,7 +176,7 @@ class _Module:
         def emit(z: list[str] | None, given: list[str]) -> list[str]:
             roots = e.start if z is None else [*e.g, *e.step, *e.size]
             leaves = {f"a.{k}": a for k, a in enumerate(given)} | {f"z.{j}": b for j, b in enumerate(z or ())}
-            return self._nodes(apart, leaves, {}, {}, topological(e.graph, roots), roots, e.graph)
+            return self.nodes(apart, leaves, {}, {}, topological(e.graph, roots), roots, e.graph)
 
         if solver.name not in self.solvers:
             self.solvers[solver.name] = solver.definition(apart, len(e.G[0]), emit)
@@ -233,7 +233,7 @@ class _Module:
         roots = list(self.layout.jump)
         leaves = dict(zip(self.program.states, states, strict=True)) | {"t": w.splat(t)}
         where = self._where(w, 0, segment, "%at0")
-        return self._nodes(w, leaves, where, dict(segment["memo"]), topological(self.program.graph, roots), roots)
+        return self.nodes(w, leaves, where, dict(segment["memo"]), topological(self.program.graph, roots), roots)
 
     def _next_segment(self, w: Writer, new: list[str]) -> None:
         """Append the end of a segment: continue with the next one, or store the states and return."""
@@ -343,7 +343,7 @@ class _Module:
         leaves |= {f"{BEGIN}{name}": a for name, a in zip(self.program.states, begin, strict=True)}
         leaves |= dict(zip(self.program.states, end, strict=True))
         where = self._where(w, self.stages - 1, segment, "%at")
-        return self._nodes(w, leaves, where, dict(segment["memo"]), topological(self.program.graph, roots), roots)
+        return self.nodes(w, leaves, where, dict(segment["memo"]), topological(self.program.graph, roots), roots)
 
     def _stage(self, w: Writer, stage: int, z: list[str], t: str, segment: dict, scratch: dict) -> list[str]:
         """Append one stage at the states z and time t, store its emitted nodes, and return the update."""

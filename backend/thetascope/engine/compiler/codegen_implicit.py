@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from thetascope.engine.compiler.autodiff import derivatives
-from thetascope.engine.compiler.codegen import TABLES, Layout, _Module
+from thetascope.engine.compiler.codegen import TABLES, Layout, Module
 from thetascope.engine.compiler.graph import Graph
 from thetascope.engine.compiler.instructions.implicit_method import GAMMA, A, C
 from thetascope.engine.compiler.ir_builder import Writer
@@ -22,7 +22,7 @@ _ROUNDING = 1e-15  # a correction relative to its state that ends the iteration
 _STEP = f"double %t, double %h, ptr %x, {', '.join(f'ptr %{k}' for k in TABLES)}, ptr %emitted"
 
 
-class ImplicitModule(_Module):
+class ImplicitModule(Module):
     """Generator of the module of one program and layout with implicit steps; lanes must be 1."""
 
     def __init__(self, program: Program, layout: Layout):
@@ -62,7 +62,7 @@ class ImplicitModule(_Module):
         column = {name: j for j, name in enumerate(self.program.states)}
         elements = [(i * self.n + column[name], node) for i, row in enumerate(rows) for name, node in row.items()]
         places, nodes = [p for p, _ in elements], tuple(node for _, node in elements)
-        inner = _Module(replace(self.program, graph=graph, update=nodes, after=()), replace(self.layout, emitted=()))
+        inner = Module(replace(self.program, graph=graph, update=nodes, after=()), replace(self.layout, emitted=()))
         inner.tables, inner.solvers = self.tables, self.solvers
         w = Writer(1, self.tables)
         leaves = {s: w.load_lanes("%z", i) for i, s in enumerate(self.program.states)} | {"t": "%t"}

@@ -1,0 +1,1 @@
+"""Diagnose recorded rows: noise, does the model fit, which fault, since when, how large."""
