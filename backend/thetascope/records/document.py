@@ -42,6 +42,7 @@ class About:
     plant: str
 
 
+@np.errstate(over="ignore")  # columns may hold numbers of any size
 def inspection_of(inspected: Inspected, about: About) -> RecordInspection:
     """Return an inspection in the form in which it is sent, with English sentences."""
     table = inspected.table
@@ -194,6 +195,7 @@ def _findings(inspected: Inspected) -> tuple[RecordFinding, ...]:
     return tuple(result)
 
 
+@np.errstate(over="ignore")
 def preview_of(inspected: Inspected, intervals: int, in_file_units: bool = False) -> RecordPreview:
     """Return the smallest and largest values in equal intervals of time.
 
@@ -206,8 +208,9 @@ def preview_of(inspected: Inspected, intervals: int, in_file_units: bool = False
     if len(t) < 2:
         return RecordPreview(t=(), interval=0.0, steps={"low": (), "high": ()}, series=())
     count = max(1, min(intervals, len(t)))
-    length = float(t[-1] - t[0]) / count
-    bins = np.minimum(((t - t[0]) / length).astype(int), count - 1)
+    span = float(t[-1] - t[0])
+    length = span / count
+    bins = np.minimum(((t - t[0]) / span * count).astype(int), count - 1)
     curves = _of_quantities(inspected, in_file_units) if inspected.mapping.taken else _of_columns(inspected)
     series = []
     for name, role, column, unit, values in curves:

@@ -19,6 +19,8 @@ from thetascope.records.table import Table
 from thetascope_schemas.service.record_inspection import ColumnMapping
 
 LEAST_ROWS = 3
+LARGEST = 1e30
+"""Values beyond are no measurements."""
 _KINDS = (
     *("no-time", "reversed", "unordered", "repeated", "gap", "jitter", "missing", "sentinel", "quantised", "frozen"),
     *("saturated", "spikes", "never-moves", "out-of-bounds", "outside-domain", "unit", "time-unit"),
@@ -61,6 +63,7 @@ class _Work:
     held: dict[str, np.ndarray] = field(default_factory=dict)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # numbers of any size; those beyond LARGEST become missing
 def inspect(table: Table, quantities: Sequence[Quantity], facts: PlantFacts, asked: ColumnMapping) -> Inspected:
     """Return the mapping of a table to the quantities of a plant, its peculiarities, and its recording.
 
@@ -130,6 +133,7 @@ def _values(taken: Taken, work: _Work, facts: PlantFacts) -> np.ndarray:
     if missing.any():
         work.findings.append(_missing(taken, column.name, missing, work))
     values = np.where(flags, np.nan, cells) * taken.factor + taken.offset
+    values = np.where(np.abs(values) < LARGEST, values, np.nan)
     work.findings += outside(taken, values, rows)
     if not any(f.proposal for f in work.findings if f.quantity == name):
         expected = quantity.usual if quantity.role != "output" else facts.outputs.get(name)

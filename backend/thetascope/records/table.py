@@ -120,9 +120,3 @@ def date_column(name: str, nanoseconds: np.ndarray) -> Column:
     times = np.asarray(nanoseconds, dtype="i8")
     first = tuple(str(t.astype("M8[ms]")) for t in times[:3].astype("M8[ns]"))
     return Column(name, "datetime", times, first=first, epoch="date")
-
-
-def text_column(name: str, cells: list[str]) -> Column:
-    """Return a column of words, of which only the first are kept."""
-    first = tuple(cell[:40] for cell in cells[:1000] if cell)[:3]
-    return Column(name, "text" if first else "empty", np.full(len(cells), np.nan), first=first)

@@ -12,8 +12,6 @@ from thetascope_schemas.experiment.base import Flag, Number, Positive, Reference
 from thetascope_schemas.experiment.diagnosis import MaybeSentence, Sentence
 from thetascope_schemas.experiment.experiment import PlantChoice
 
-MOST_COLUMNS = 2000
-
 ColumnName = Annotated[str, Field(max_length=200)]
 Role = Literal["time", "input", "signal", "output", "unused"]
 ColumnKind = Literal["number", "datetime", "text", "empty", "constant", "index"]

@@ -58,10 +58,6 @@ class Mapping:
     time: TimeChoice
     taken: tuple[Taken, ...]
 
-    def used(self) -> set[str]:
-        """Return the names of the columns that are used."""
-        return {name for name in (self.time.column, *(t.column for t in self.taken)) if name is not None}
-
 
 def mapping_of(table: Table, quantities: Sequence[Quantity], asked: ColumnMapping) -> Mapping:
     """Return the complete mapping: the user's choices, and guesses for the rest. Raises SpecError for wrong choices."""

@@ -20,6 +20,7 @@ _EPOCHS: dict[TimeUnit, float] = {"epoch-s": 1.0, "epoch-ms": 1e3, "epoch-us": 1
 _YEARS = (5e8, 6e9)  # seconds since 1970 that are taken for dates
 _DAYS = (25_000.0, 75_000.0)  # days since 1899 that are taken for dates
 _SPREADSHEET = 25_569.0  # days from 1899-12-30 to 1970-01-01
+_LATEST = 1e19  # s
 _FORWARD = 0.9  # share of rows whose time is later than that of the row before
 _LENGTHS: tuple[TimeUnit, ...] = ("ns", "us", "ms", "s", "min", "h", "d")
 _ZONES = ("utc", "gmt", "local", "iso", "iso8601")
@@ -114,7 +115,12 @@ class Seconds:
 
 
 def seconds_of(table: Table, choice: TimeChoice) -> Seconds:
-    """Return the times of the rows as they are in the file, neither sorted nor checked."""
+    """Return the times of the rows as they are in the file, not sorted; NaN for numbers that no clock shows."""
+    seconds = _seconds_of(table, choice)
+    return replace(seconds, t=np.where(np.abs(seconds.t) < _LATEST, seconds.t, np.nan))
+
+
+def _seconds_of(table: Table, choice: TimeChoice) -> Seconds:
     if choice.column is None:
         return Seconds(np.arange(len(table)) * (choice.period or 1.0), None)
     column = table.named_as(choice.column)

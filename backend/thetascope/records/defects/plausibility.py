@@ -111,6 +111,8 @@ def unit_proposal(taken: Taken, values: np.ndarray, expected: float | None) -> s
 
     With `expected` the typical value must come close to it; without, all values must come within the bounds.
     """
+    if taken.factor == 0:
+        return None
     cells = (values - taken.offset) / taken.factor
     low, high = (np.inf * sign if b is None else b for sign, b in zip((-1, 1), taken.quantity.bounds, strict=True))
     miss = _decades(_typical(values, taken), expected) if expected is not None else np.inf
@@ -139,7 +141,7 @@ def _decades(value: float, expected: float) -> float | None:
     """Return by how many decades a value misses another one, or None where that says nothing."""
     if not (value > 0 and expected > 0) and not (value < 0 and expected < 0):
         return None
-    return abs(float(np.log10(value / expected)))
+    return abs(float(np.log10(abs(value)) - np.log10(abs(expected))))
 
 
 def motionless(taken: Taken, values: np.ndarray, rows: Rows) -> list[Finding]:

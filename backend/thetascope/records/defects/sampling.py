@@ -8,10 +8,8 @@ from thetascope.messages import Message
 from thetascope.records.defects.finding import Finding, Rows
 
 _GAP = 1.9  # times the period
-_USUAL = 0.25  # of the period: steps within it are the usual ones
 _JITTER = 0.01
 _MOST_GAPS = 20
-_MAD = 1.4826
 
 
 @dataclass(frozen=True)

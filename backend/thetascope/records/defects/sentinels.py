@@ -41,7 +41,7 @@ def sentinels(cells: np.ndarray, low: float | None = None, high: float | None = 
     flags = huge.copy()
     unique, counts = np.unique(cells[~np.isnan(cells) & ~huge], return_counts=True)
     if len(unique) < 3:
-        return flags if not _constant(unique, flags) else np.zeros(len(cells), dtype=bool)
+        return flags
     for value in _KNOWN:
         place = int(np.searchsorted(unique, value))
         if place >= len(unique) or unique[place] != value or counts[place] > _MOST * counts.sum():
@@ -51,10 +51,6 @@ def sentinels(cells: np.ndarray, low: float | None = None, high: float | None = 
         if _is_apart(value, others, low, high) and _jumps(cells, own, others):
             flags |= own
     return flags
-
-
-def _constant(unique: np.ndarray, flags: np.ndarray) -> bool:
-    return len(unique) == 0 and bool(flags.all())
 
 
 def _is_apart(value: float, others: np.ndarray, low: float | None, high: float | None) -> bool:

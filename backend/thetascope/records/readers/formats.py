@@ -95,7 +95,7 @@ def format_of(name: str, data: bytes) -> str:
     for magic, kind in _MAGIC:
         if data.startswith(magic):
             return kind
-    if name.lower().endswith(".mat"):
+    if name.lower().endswith(".mat") and 0 in data[:20]:  # version 4, which begins with small numbers
         return "mat"
     return "json" if _is_json(data) else "csv"
 
