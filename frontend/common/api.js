@@ -5,6 +5,7 @@
 /**
  * @typedef {object} Request
  * @property {unknown} [body]   sent as JSON
+ * @property {Blob} [raw]   a file, sent as it is in place of a body
  * @property {AbortSignal} [signal]
  * @property {{[name: string]: string}} [headers]
  */
@@ -66,7 +67,8 @@ const pause = (seconds, signal) =>
  * @returns {Promise<T>}
  * @throws {Problem} where the server refuses it
  */
-export async function request(method, url, {body, signal, headers = {}} = {}) {
+export async function request(method, url, {body, raw, signal, headers = {}} = {}) {
+  const kind = raw ? raw.type || 'application/octet-stream' : body === undefined ? null : 'application/json';
   for (let wait = 0.5; ; wait = Math.min(wait * 1.5, 4)) {
     try {
       const answer = await fetch(url, {
@@ -74,10 +76,10 @@ export async function request(method, url, {body, signal, headers = {}} = {}) {
         signal,
         headers: {
           'Accept-Language': document.documentElement.lang,
-          ...(body === undefined ? {} : {'Content-Type': 'application/json'}),
+          ...(kind === null ? {} : {'Content-Type': kind}),
           ...headers,
         },
-        body: body === undefined ? undefined : JSON.stringify(body),
+        body: raw ?? (body === undefined ? undefined : JSON.stringify(body)),
       });
       mark(false);
       return await read(answer);

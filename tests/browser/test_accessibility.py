@@ -6,6 +6,7 @@ import axe_playwright_python
 import pytest
 
 from tests.browser.live_helpers import FONTS, SET_FONT, opened, rested, until
+from tests.browser.record_files import TANK, checked, csv, read_on, tank_rows
 
 AXE = (Path(axe_playwright_python.__file__).parent / "axe.min.js").read_text() + ";0"
 UNFOLD = "for (const one of document.querySelectorAll('.lights, .heading .link[aria-expanded], .dots')) one.click()"
@@ -138,30 +139,31 @@ def test_axe_finds_nothing_serious_on_a_phone(tab, path, theme, language):
 RECORDS = [("light", 1440), ("dark", 390)]
 
 
-@pytest.fixture(scope="module")
-def diagnosed(kept_page):
-    """Return the page of records after the diagnosis of a simulated record, and the violations before it."""
+def test_axe_finds_nothing_serious_on_the_page_of_records(kept_page, tmp_path):
+    """Empty, refused, and in all three steps, with a fitted parameter; wide and light, narrow and dark."""
+    found = {}
 
-    def shown(theme: str, width: int):
-        page = kept_page("/records/", width=width, height=900, theme=theme)
-        page.wait_for_selector(".names code")
-        return page
+    def look(name: str):
+        for theme, width in RECORDS:
+            page = kept_page("/records/", width=width, height=900, theme=theme)
+            found[name, theme] = serious(page)
 
-    shown(*RECORDS[0]).evaluate(AXE)
-    before = {shape: serious(shown(*shape)) for shape in RECORDS}
-    page = shown(*RECORDS[0])
-    page.click("button:text-is('Simulate a record')")
-    page.wait_for_selector(".buttons [role=status]:has-text('The record is a run')")
-    page.click("button.run")
-    page.wait_for_selector(".found")
-    return shown, before
-
-
-@pytest.mark.parametrize(("theme", "width"), RECORDS)
-def test_axe_finds_nothing_serious_on_the_page_of_records(diagnosed, theme, width):
-    """Before and after the diagnosis of a simulated record."""
-    shown, before = diagnosed
-    assert before[theme, width] == serious(shown(theme, width)) == []
+    page = kept_page("/records/")
+    page.wait_for_selector("#plant option:nth-child(3)", state="attached")
+    page.evaluate(AXE)
+    look("empty")
+    read_on(page, tmp_path, "broken.csv", "t,q,y\n0,1,2\n7\n")
+    look("refused")
+    rows = tank_rows()
+    read_on(page, tmp_path, "tank.csv", csv(rows[:100] + rows[150:]), TANK.replace("value: 0.25", "value: 0.27"))
+    look("read")
+    checked(page)
+    look("checked")
+    page.click("#next")
+    page.wait_for_selector(".step-3 .verdict")
+    page.evaluate("for (const one of document.querySelectorAll('details')) one.open = true")
+    look("findings")
+    assert {name: what for name, what in found.items() if what} == {}
 
 
 def test_axe_finds_nothing_serious_on_the_page_of_plants(page):

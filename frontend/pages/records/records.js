@@ -1,367 +1,291 @@
-// Recorded data, diagnosed: a plant, a file of columns, and which faults it shows.
+// The page of records: a file is read, the model is checked against it, and its faults are found.
 
-import {connection, get, post, Problem} from '../../common/api.js';
-import {fill, h, number, query, symbol} from '../../common/dom.js';
-import {alarmFrom} from '../../diagnosis/alarms.js';
-import {badge} from '../../widgets/controls.js';
-import {amount} from '../../diagnosis/fault-size.js';
-import {badges, called, capital, split, spoken} from '../../common/names.js';
-import {problemBlock} from '../../common/problem.js';
+import {connection, get, Problem, reason} from '../../common/api.js';
+import {fill, query} from '../../common/dom.js';
 import {mountTop} from '../../common/page-header.js';
-import {columnsOf, needed} from './csv.js';
 import {chosenLanguage} from '../../i18n/language.js';
-import {asSentence, named, speak, t} from '../../i18n/words.js';
+import {speak, t} from '../../i18n/words.js';
+import * as address from './address.js';
+import {bar} from './bar.js';
+import {findingsCsv} from './findings/findings-csv.js';
+import {findingsStep} from './findings/findings-step.js';
+import {fitStep} from './fit/fit-step.js';
+import {yamlOf} from './fit/plant-yaml.js';
+import {refill} from './read/columns.js';
+import {takeFiles} from './read/drop.js';
+import {lightTogether} from './read/findings-list.js';
+import {readStep} from './read/read-step.js';
+import * as service from './service.js';
 
-/** @import * as service from '../../types/service.js' */
-/** @import {Alarm} from '../../live/types.js' */
-/** @import {Plant} from '../types.js' */
-/** @import {Child} from '../../types/dom.js' */
+/** @import * as wire from '../../types/service.js' */
+/** @import {Mapping, PlantChoice, RecordActions, RecordState, Settings, Work} from './types.js' */
 
-const POINTS = 1200;
-const SLOT = '\u0000'; // where elements take the place of an argument
 await speak(chosenLanguage());
 
-/**
- * A recorded output over time, with the alarms.
- * @param {Plant['outputs'][number]} output
- * @param {number[]} time
- * @param {number[]} y
- * @param {Alarm[]} alarms
- */
-function course(output, time, y, alarms) {
-  const [first, last] = [time[0], time[time.length - 1]];
-  const [low, high] = y.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
-  /** @param {number} at */
-  const x = (at) => ((at - first) / (last - first || 1)) * 1000;
-  /** @param {number} v */
-  const up = (v) => 97 - ((v - low) / (high - low || 1)) * 94;
-  const every = Math.max(1, Math.floor(time.length / POINTS));
-  const path = time
-    .map((at, k) => [at, y[k]])
-    .filter((_, k) => k % every === 0)
-    .map(([at, v], k) => `${k ? 'L' : 'M'}${x(at).toFixed(1)} ${up(v).toFixed(1)}`)
-    .join('');
-  return h(
-    'div',
-    {class: 'course'},
-    h(
-      'span',
-      {},
-      symbol(output.name),
-      h('span', {class: 'soft'}, ` ${named(output.description)}${output.unit ? `, ${output.unit}` : ''}`),
-    ),
-    h(
-      'svg',
-      {viewBox: '0 0 1000 100', preserveAspectRatio: 'none', role: 'img', 'aria-label': output.name},
-      alarms.map((one) => [
-        h('rect', {x: x(one.from), y: 0, width: Math.max(1, x(one.to) - x(one.from)), height: 100}),
-        h('line', {x1: x(one.onset), x2: x(one.onset), y1: 0, y2: 100}),
-      ]),
-      h('path', {d: path}),
-    ),
-    h(
-      'div',
-      {class: 'ends'},
-      h('span', {}, `${number(first)} s`),
-      h('span', {}, `${number(low, 3)} … ${number(high, 3)}`),
-      h('span', {}, `${number(last)} s`),
-    ),
-  );
-}
+/** @type {Settings} */
+const DEFAULTS = {healthy: null, false_alarms: 0.01, fit: 'auto', parameters: []};
+const MOST_EARLIER = 8; // records in the list
 
-/**
- * The line of an alarm in the table.
- * @param {Alarm} one
- * @param {Plant} plant
- * @param {Map<string, [string, string]>} short
- */
-function row(one, plant, short) {
-  const channel = plant.channels.find(({name}) => name === one.subject);
-  const names = one.explained ? one.subjects : [one.subject];
-  const title = one.explained
-    ? named(channel?.title ?? '') || called(one.subject, plant)
-    : capital(called(one.subject, plant));
-  return h(
-    'tr',
-    {},
-    h(
-      'td',
-      {class: 'name'},
-      names.map((name, k) => [
-        k > 0 && ` ${t('page.diagnosis.or')} `,
-        badge(short.get(name) ?? split(name), {square: !one.explained}),
-      ]),
-      ' ',
-      title,
-    ),
-    h('td', {}, one.explained ? amount(one, channel) : '–', one.explained && channel?.unit ? ` ${channel.unit}` : ''),
-    h('td', {}, number(one.onset, 5)),
-    h('td', {}, one.from === one.to ? '–' : `${number(one.from, 5)} … ${number(one.to, 5)}`),
-    h('td', {}, number(one.t, 5)),
-    h('td', {}, one.over === null ? t('page.records.still-on') : number(one.over, 5)),
-  );
-}
-
-/**
- * The findings: the sentence, one line each, the outputs, and the calibration behind them.
- * @param {service.ObserverDiagnosis} diagnosis
- * @param {Plant} plant
- * @param {{[column: string]: number[]}} columns
- */
-function findings(diagnosis, plant, columns) {
-  const time = columns.t ?? columns.time;
-  const begin = time?.[0] ?? 0; // the diagnosis counts from the first row on
-  const alarms = diagnosis.alarms.map(alarmFrom).map((one) => ({
-    ...one,
-    t: one.t + begin,
-    onset: one.onset + begin,
-    from: one.from + begin,
-    to: one.to + begin,
-    over: one.over === null ? null : one.over + begin,
-  }));
-  const short = badges(plant.channels);
-  const heads = [
-    t('page.records.column.fault'),
-    t('page.records.column.size'),
-    t('page.records.column.onset'),
-    t('page.records.column.interval'),
-    t('page.records.column.detected'),
-    t('page.records.column.cleared'),
-  ];
-  const table =
-    alarms.length > 0 &&
-    h(
-      'div',
-      {class: 'wide', tabindex: 0},
-      h(
-        'table',
-        {class: 'measures'},
-        h(
-          'thead',
-          {},
-          h(
-            'tr',
-            {},
-            heads.map((head) => h('th', {scope: 'col'}, head)),
-          ),
-        ),
-        h(
-          'tbody',
-          {},
-          alarms.map((one) => row(one, plant, short)),
-        ),
-      ),
-    );
-  const shown = plant.outputs
-    .map((output) => ({output, y: columns[`y.${output.name}`] ?? columns[output.name]}))
-    .filter(({y}) => y && time);
-  const {calibration, noise} = diagnosis;
-  return [
-    h(
-      'section',
-      {class: 'card found', role: 'status'},
-      h('h2', {}, t('page.diagnosis.title')),
-      h(
-        'p',
-        {class: 'verdict'},
-        alarms.length ? t('page.records.faults', {n: alarms.length}) : t('page.records.no-fault'),
-      ),
-      table,
-      calibration &&
-        h(
-          'p',
-          {class: 'soft'},
-          [
-            ...noise.map((one) =>
-              t('page.records.noise', {output: called(one.output, plant), std: number(one.estimated, 3)}),
-            ),
-            t('page.records.calibrated', {
-              rate: number(calibration.false_alarms),
-              runs: calibration.seeds,
-              from: number(calibration.from_time, 3),
-            }),
-          ].join(' '),
-        ),
-      diagnosis.note && h('p', {class: 'soft'}, asSentence(spoken(diagnosis.note, plant))),
-    ),
-    shown.length > 0 &&
-      h(
-        'section',
-        {class: 'card'},
-        h('h2', {}, t('page.records.recorded')),
-        shown.map(({output, y}) => course(output, time, y, alarms)),
-      ),
-  ];
-}
-
-const root = query('.records');
-/** @type {service.ExperimentList} */
-const {experiments} = await get('/api/experiments');
-/** @type {service.PlantList} */
-let {plants} = await get('/api/plants');
-/** @type {Map<string, Plant>} plants in full, in the page's language */
-const known = new Map();
-
-/**
- * A plant of the library in full.
- * @param {string} id
- * @returns {Promise<Plant>}
- */
-async function plantOf(id) {
-  /** @type {Plant} */
-  const plant = known.get(id) ?? (await get(`/api/plants/${encodeURIComponent(id)}`));
-  known.set(id, plant);
-  return plant;
-}
-
-const choice = h(
-  'select',
-  {id: 'plant'},
-  plants.map((line) => h('option', {value: line.id})),
-);
-const file = h('input', {id: 'file', type: 'file', accept: '.csv,text/csv,text/plain'});
-const learn = h('input', {id: 'learn', type: 'number', min: 0, step: 'any', value: 0});
-const rate = h('input', {id: 'rate', type: 'number', min: 0, step: 'any', value: 1});
-const names = h('p', {class: 'soft all names'});
-const state = h('span', {class: 'soft', role: 'status'});
-const result = h('div', {class: 'records'});
-/** @type {string | null} text of a simulated record */
-let taken = null;
-// the text beside the buttons and the content below: functions, so that they can be shown again in another language
-/** @type {() => string} */
-let beside = () => '';
-/** @type {() => Child} */
-let below = () => [];
-
-/** @param {() => string} words */
-const say = (words) => {
-  beside = words;
-  fill(state, beside());
+/** @type {RecordState} */
+let state = {
+  plants: [],
+  choice: null,
+  plant: null,
+  inspection: null,
+  mapping: null,
+  preview: null,
+  settings: DEFAULTS,
+  diagnosis: null,
+  stale: false,
+  step: 1,
+  work: null,
+  problem: null,
+  refused: null,
+  earlier: [],
+  remark: null,
 };
-/** @param {() => Child} elements */
-const show = (elements) => {
-  below = elements;
-  fill(result, below());
-};
+/** @type {AbortController | null} of the work that can be cancelled */
+let running = null;
+const [top, work] = [query('.record-bar'), query('.work')];
 
-async function showNames() {
-  const plant = await plantOf(choice.value);
-  const columns = ['t', ...[...plant.inputs, ...plant.signals, ...plant.outputs].map((one) => one.name)];
-  // the names are within a sentence, as code
-  const [before, after] = t('page.records.columns', {columns: SLOT}).split(SLOT);
-  fill(
-    names,
-    before,
-    columns.map((name, k) => [k > 0 && ', ', h('code', {}, name)]),
-    after,
-  );
+/** @param {Partial<RecordState>} changes */
+function update(changes) {
+  state = {...state, ...changes};
+  render();
+}
+
+function render() {
+  const inBar = top.contains(document.activeElement);
+  refill(top, bar(state, act, {copyLink, exportFindings}));
+  if (inBar && !top.contains(document.activeElement)) focusOn('#cancel', '#next');
+  const steps = {1: readStep, 2: fitStep, 3: findingsStep};
+  work.className = `work step-${state.step}`;
+  top.toggleAttribute('data-working', state.work !== null);
+  refill(work, steps[state.step](state, act));
 }
 
 /**
- * Do something that the server may refuse; the words that it returns are shown beside the buttons.
- * @param {() => Promise<(() => string) | void>} work
+ * Focus the first of these that the page has.
+ * @param {...string} selectors
  */
-async function attempt(work) {
-  say(() => t('page.runs.running'));
+function focusOn(...selectors) {
+  const found = selectors.map((one) => document.querySelector(one)).find((one) => one !== null);
+  if (found instanceof HTMLElement) found.focus({preventScroll: true});
+}
+
+/**
+ * Do something that takes a while, can be cancelled, and may be refused.
+ * @param {Work} name
+ * @param {(signal: AbortSignal) => Promise<void>} task
+ */
+async function during(name, task) {
+  running?.abort();
+  const mine = (running = new AbortController());
+  update({work: name, problem: null});
+  const began = performance.now();
+  const clock = setInterval(() => showElapsed(performance.now() - began), 1000);
   try {
-    say((await work()) ?? (() => ''));
+    await task(mine.signal);
   } catch (error) {
-    if (!(error instanceof Problem)) throw error;
-    show(() => [problemBlock(error)]);
-    say(() => '');
+    if (!mine.signal.aborted) update({problem: asProblem(error), refused: name});
+  } finally {
+    clearInterval(clock);
+    if (running === mine) {
+      running = null;
+      update({work: null});
+      await keepAddress();
+    }
   }
 }
 
+/** @param {number} time  ms */
+function showElapsed(time) {
+  const element = top.querySelector('.elapsed');
+  if (element) element.textContent = `${Math.round(time / 1000)}\u202fs`;
+}
+
+/** @param {unknown} error */
+function asProblem(error) {
+  if (error instanceof Problem) return error;
+  return new Problem({
+    title: t('page.problem.unreadable'),
+    detail: t('page.problem.unreadable.remedy', {error: reason(error).message}),
+  });
+}
+
+/** The address reopens the record. */
+async function keepAddress() {
+  const {inspection, choice, mapping, settings, step} = state;
+  const changed = JSON.stringify(settings) !== JSON.stringify(DEFAULTS);
+  const link = {record: inspection?.id || null, plant: choice, mapping, settings: changed ? settings : null, step};
+  history.replaceState(null, '', `${location.pathname}${await address.write(link)}`);
+}
+
+/** The body of requests about the present record. */
+function present() {
+  const {inspection, choice, mapping} = state;
+  if (!inspection || choice === null) throw new Problem({title: t('page.records.choose-plant')});
+  return {id: inspection.id, body: {plant: choice, mapping: mapping ?? undefined}};
+}
+
 /**
- * Diagnose a record.
- * @param {string} csv
+ * Inspect the stored record with plant and mapping, and fetch its curves.
+ * @param {string} id
+ * @param {Mapping | null} mapping   null: the guess
+ * @param {AbortSignal} signal
  */
-async function ask(csv) {
-  const plant = await plantOf(choice.value);
-  /** @type {service.ObserverDiagnosis} */
-  const diagnosis = await post('/api/diagnosis', {
-    plant: plant.id,
-    csv: needed(csv, plant),
-    learn: Number(learn.value),
-    diagnosis: {false_alarms: Number(rate.value)},
-  });
-  const columns = columnsOf(csv);
-  show(() => findings(diagnosis, known.get(plant.id) ?? plant, columns));
+async function inspect(id, mapping, signal) {
+  if (state.choice === null) {
+    update({preview: state.inspection?.times ? await service.preview(id, signal) : null});
+    return;
+  }
+  const body = {plant: state.choice, mapping: mapping ?? undefined};
+  const inspection = await service.inspect(id, body, signal);
+  const drawable = inspection.times !== null && inspection.quantities.some((one) => one.column !== null);
+  const preview = drawable ? await service.preview(id, signal) : null;
+  update({inspection, mapping, preview, stale: state.diagnosis !== null});
 }
 
-/** A run of the plant's first experiment as a record, for those who have none of their own. */
-async function simulated() {
-  const experiment =
-    experiments.find((one) => one.plant === choice.value && one.observers.length > 0) ??
-    experiments.find((one) => one.plant === choice.value);
-  if (!experiment) return () => '';
-  const {id} = experiment;
-  const [run, plant] = await Promise.all([
-    /** @type {Promise<service.Run>} */ (
-      post('/api/runs?wait=60', {experiment: id, set: {observers: [], figures: []}})
-    ),
-    plantOf(choice.value),
+/** @param {PlantChoice | null} choice @param {AbortSignal} signal */
+async function choosePlant(choice, signal) {
+  /** @type {RecordState['plant']} */
+  const plant = typeof choice === 'string' ? await get(`/api/plants/${encodeURIComponent(choice)}`, signal) : choice;
+  update({choice, plant, mapping: null, preview: null, diagnosis: null, stale: false, step: 1});
+  if (state.inspection) await inspect(state.inspection.id, null, signal);
+}
+
+/** @param {File} file @param {AbortSignal} signal */
+async function read(file, signal) {
+  update({inspection: null, mapping: null, preview: null, diagnosis: null, stale: false, step: 1, remark: null});
+  update({settings: {...DEFAULTS, false_alarms: state.settings.false_alarms}});
+  const inspection = await service.upload(file, signal);
+  update({inspection});
+  await inspect(inspection.id, null, signal);
+}
+
+/** @type {RecordActions} */
+const act = {
+  open: (file) => during('reading', (signal) => read(file, signal)),
+  simulate: () =>
+    during('simulating', async (signal) => {
+      const chosen = typeof state.choice === 'string' ? state.choice : null;
+      const {file, experiment, plant} = await service.simulated(chosen, signal);
+      if (plant !== state.choice) await choosePlant(plant, signal);
+      await read(file, signal);
+      update({remark: () => t('page.records.simulated', {id: experiment})});
+    }),
+  choose: (choice) => during('mapping', (signal) => choosePlant(choice, signal)),
+  usePlantText: (text) =>
+    during('mapping', async (signal) => choosePlant(await service.readPlant(text, signal), signal)),
+  map: (mapping) => during('mapping', (signal) => inspect(present().id, mapping, signal)),
+  set(changes) {
+    update({settings: {...state.settings, ...changes}, stale: state.diagnosis !== null});
+    keepAddress();
+  },
+  diagnose: ({mapping, parameters} = {}) =>
+    during('diagnosing', async (signal) => {
+      const {id} = present();
+      if (mapping) await inspect(id, mapping, signal);
+      const settings = parameters
+        ? {...state.settings, fit: /** @type {const} */ ('chosen'), parameters}
+        : state.settings;
+      const {step} = state;
+      update({settings, step: step === 3 ? 3 : 2});
+      const diagnosis = await service.diagnose(id, {...present().body, settings}, signal);
+      const fits = diagnosis.fit.verdict !== 'does-not-fit';
+      update({diagnosis, stale: false, step: step === 3 && fits ? 3 : 2});
+    }),
+  downloadPlant: (format) =>
+    during('fitting', async (signal) => {
+      const {id, body} = present();
+      const parameters = state.diagnosis?.fit.parameters.map((one) => one.name) ?? [];
+      const settings = {...state.settings, fit: /** @type {const} */ ('chosen'), parameters};
+      const {plant} = await service.fit(id, {...body, settings}, signal);
+      const text = format === 'yaml' ? yamlOf(plant) : `${JSON.stringify(plant, null, 1)}\n`;
+      save(text, `${plant.id}-fitted.${format}`, format === 'yaml' ? 'application/yaml' : 'application/json');
+    }),
+  go(step) {
+    update({step, problem: null});
+    scrollTo(0, 0);
+    keepAddress();
+  },
+  cancel() {
+    running?.abort();
+    running = null;
+    update({work: null, step: state.diagnosis ? state.step : 1});
+  },
+  startOver() {
+    running?.abort();
+    update({inspection: null, mapping: null, preview: null, diagnosis: null, step: 1, problem: null, remark: null});
+    keepAddress();
+    focusOn('#choose-file');
+  },
+};
+
+/** @param {string} text @param {string} name @param {string} type */
+function save(text, name, type) {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(new Blob([text], {type}));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+/** @param {'json' | 'csv'} format */
+function exportFindings(format) {
+  const {diagnosis, inspection} = state;
+  if (!diagnosis || !inspection) return;
+  const base = `${inspection.name.replace(/\.[^.]*$/u, '')}-findings`;
+  if (format === 'csv') save(findingsCsv(diagnosis.faults), `${base}.csv`, 'text/csv');
+  else save(`${JSON.stringify(diagnosis, null, 1)}\n`, `${base}.json`, 'application/json');
+}
+
+async function copyLink() {
+  await keepAddress();
+  const button = top.querySelector('#copy-link');
+  try {
+    await navigator.clipboard.writeText(location.href);
+    if (button) fill(button, t('page.records.link.copied'));
+  } catch {
+    if (button) fill(button, t('page.records.link.in-address'));
+  }
+}
+
+/** Open what the address names. */
+async function openAddress() {
+  const link = await address.read(location);
+  if (link.plant === null && link.record === null) return;
+  await during('reading', async (signal) => {
+    if (link.settings) update({settings: {...DEFAULTS, ...link.settings}});
+    if (link.plant !== null) await choosePlant(link.plant, signal);
+    if (link.record === null) return;
+    const inspection = await service.stored(link.record, signal);
+    update({inspection});
+    const known = state.plants.some(({id}) => id === inspection.plant);
+    if (link.plant === null && known) await choosePlant(inspection.plant, signal);
+    else await inspect(link.record, link.mapping, signal);
+    if (link.step === 1 || !state.inspection?.ready) return;
+    update({work: 'diagnosing', step: 2});
+    const diagnosis = await service.diagnose(link.record, {...present().body, settings: state.settings}, signal);
+    update({diagnosis, step: link.step === 3 && diagnosis.fit.verdict !== 'does-not-fit' ? 3 : 2});
+  });
+}
+
+/** The plants, in the page's language. */
+async function loadPlants() {
+  const [{plants}, {records}] = await Promise.all([
+    /** @type {Promise<wire.PlantList>} */ (get('/api/plants')),
+    /** @type {Promise<wire.RecordList>} */ (get(`/api/records?limit=${MOST_EARLIER}`)),
   ]);
-  const columns = [
-    't',
-    ...plant.inputs.map((one) => `u.${one.name}`),
-    ...plant.signals.map((one) => `signal.${one.name}`),
-    ...plant.outputs.map((one) => `y.${one.name}`),
-  ];
-  const answer = await fetch(`/api/runs/${run.id}/data?format=csv&columns=${columns.join(',')}`);
-  taken = await answer.text();
-  return () => t('page.records.simulated', {id});
-}
-
-/** @param {SubmitEvent} event */
-async function submit(event) {
-  event.preventDefault();
-  const csv = taken ?? (await file.files?.[0]?.text());
-  if (csv) attempt(() => ask(csv));
-  else say(() => t('page.records.no-file'));
-}
-
-/** Build the page in the present language. The choices and the results remain. */
-function build() {
+  const {choice} = state;
+  const plant = typeof choice === 'string' ? await get(`/api/plants/${encodeURIComponent(choice)}`) : state.plant;
   query('.skip').textContent = t('page.records.title');
-  plants.forEach((line, place) => {
-    choice.options[place].textContent = named(line.title) || line.id;
-  });
-  const form = h(
-    'form',
-    {class: 'card ask', onsubmit: submit},
-    h('label', {}, t('page.records.plant'), choice),
-    h('label', {}, t('page.records.file'), file),
-    h('label', {title: t('page.records.learn.hint')}, t('page.records.learn'), learn),
-    h('label', {title: t('page.records.rate.hint')}, t('page.records.rate'), rate),
-    names,
-    h(
-      'div',
-      {class: 'all buttons'},
-      h('button', {class: 'run', type: 'submit'}, t('page.records.diagnose')),
-      h('button', {class: 'quiet', type: 'button', onclick: () => attempt(simulated)}, t('page.records.simulate')),
-      state,
-    ),
-  );
-  fill(root, h('h1', {}, t('page.records.title')), h('p', {class: 'soft'}, t('page.records.about')), form, result);
-  say(beside);
-  show(below);
-  showNames();
+  top.setAttribute('aria-label', t('page.records.record'));
+  update({plants, plant, earlier: records});
 }
 
-choice.addEventListener('change', () => {
-  taken = null;
-  say(() => '');
-  showNames();
-});
-file.addEventListener('change', () => {
-  taken = null;
-  say(() => '');
-});
-mountTop(query('.top'), connection, 'records', async () => {
-  known.clear();
-  ({plants} = await get('/api/plants'));
-  await plantOf(choice.value);
-  build();
-});
-build();
+mountTop(query('.top'), connection, 'records', loadPlants);
+lightTogether(work);
+takeFiles(act);
+await loadPlants();
+await openAddress();
