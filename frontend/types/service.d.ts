@@ -2279,6 +2279,16 @@ export interface RecordDiagnosis {
   notes: (Text)[];
 }
 
+/** The plant of a stored record, the mapping of its columns, and how it is to be diagnosed. */
+export interface RecordDiagnosisRequest {
+  /** Id of a library plant, or a complete plant. */
+  plant: string | PlantInput;
+  /** Changes of the guessed mapping. */
+  mapping?: ColumnMappingInput;
+  /** Settings of the diagnosis. */
+  settings?: RecordSettings;
+}
+
 /** A fault that the record shows. */
 export interface RecordFault {
   /** Id within the diagnosis. */

@@ -11,6 +11,7 @@ from thetascope.runs.specs.run_requests import RunRequest
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.record import Record
+from thetascope_schemas.service.record_diagnosis import RecordDiagnosisRequest
 from thetascope_schemas.service.record_inspection import MappingRequest
 from thetascope_schemas.service.run import Problem
 
@@ -27,7 +28,18 @@ SCHEMES = {
 """Ways to show the access key. A service on loopback, and one with THETASCOPE_OPEN=1, asks for none of them."""
 _NO_KEY = ("/api/health/live",)
 
-BODIES = (Experiment, Plant, Record, MappingRequest, RunRequest, SessionRequest, ForkRequest, EquationsRequest, Problem)
+BODIES = (
+    Experiment,
+    Plant,
+    Record,
+    MappingRequest,
+    RecordDiagnosisRequest,
+    RunRequest,
+    SessionRequest,
+    ForkRequest,
+    EquationsRequest,
+    Problem,
+)
 _ANY = {"description": "Another refusal, or an internal error (500).", "content": PROBLEM}
 
 
