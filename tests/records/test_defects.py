@@ -95,6 +95,15 @@ def test_a_written_unit_is_believed(head):
     assert all(f.kind != "unit" for f in found.findings)
 
 
+def test_a_written_unit_of_another_kind_is_doubtful():
+    """A column with the output's name and the unit of another kind is read as it is, and marked."""
+    for unit in ("°C", "counts"):
+        found = inspected(text(rows()).replace("\n", f"\ns,cm3/s,{unit}\n", 1))
+        (finding,) = [f for f in found.findings if f.quantity == "y"]
+        assert finding.kind == "unit" and finding.severity == "doubtful" and unit in str(finding.text)
+        assert [t.certain for t in found.mapping.taken] == [True, False] and np.array_equal(found.recording.y[:, 0], Y)
+
+
 def test_an_output_that_never_moves_is_doubtful():
     """An input that never moves is only noted."""
     found = inspected(text([[t, 50, 20] for t, *_ in rows()]))

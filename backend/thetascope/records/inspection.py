@@ -10,7 +10,7 @@ from thetascope.messages import Message
 from thetascope.records.columns.mapping import Mapping, Quantity, Taken, mapping_of
 from thetascope.records.columns.times import seconds_of
 from thetascope.records.defects.finding import Finding, Rows, lines_text
-from thetascope.records.defects.plausibility import PlantFacts, doubtful_unit, motionless, outside, pace
+from thetascope.records.defects.plausibility import PlantFacts, doubtful_unit, foreign_unit, motionless, outside, pace
 from thetascope.records.defects.readings import frozen, quantised, saturated, spikes
 from thetascope.records.defects.row_order import Ordered, ordered
 from thetascope.records.defects.sampling import Sampling, sampling_findings, sampling_of
@@ -134,7 +134,7 @@ def _values(taken: Taken, work: _Work, facts: PlantFacts) -> np.ndarray:
         work.findings.append(_missing(taken, column.name, missing, work))
     values = np.where(flags, np.nan, cells) * taken.factor + taken.offset
     values = np.where(np.abs(values) < LARGEST, values, np.nan)
-    work.findings += outside(taken, values, rows)
+    work.findings += foreign_unit(taken) + outside(taken, values, rows)
     if not any(f.proposal for f in work.findings if f.quantity == name):
         expected = quantity.usual if quantity.role != "output" else facts.outputs.get(name)
         work.findings += doubtful_unit(taken, values, expected)

@@ -39,7 +39,10 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Taken:
-    """A quantity and the column that it is read from: its value is factor · cell + offset."""
+    """A quantity and the column that it is read from: its value is factor · cell + offset.
+
+    `written`: whether the unit is the file's or the user's; `foreign`: a written one of another kind, not converted.
+    """
 
     quantity: Quantity
     column: str | None
@@ -49,6 +52,7 @@ class Taken:
     certain: bool
     reason: Message
     written: bool = False
+    foreign: str = ""
 
 
 @dataclass(frozen=True)
@@ -262,7 +266,9 @@ def _taken(
         return Taken(quantity, column.name, asked, *pair, True, reason, True)
     pair = conversion(written, quantity.unit) if written else None
     if pair is None:
-        return Taken(quantity, column.name, quantity.unit, 1.0, 0.0, certain, reason, False)
+        foreign = written if quantity.unit else ""
+        certain = certain and not foreign
+        return Taken(quantity, column.name, quantity.unit, 1.0, 0.0, certain, reason, bool(foreign), foreign)
     return Taken(quantity, column.name, written, *pair, certain, reason, True)
 
 

@@ -79,6 +79,16 @@ def _as_mapping(taken: Taken, unit: str) -> dict:
     return {"quantities": {taken.quantity.name: {"column": taken.column, "unit": unit}}}
 
 
+def foreign_unit(taken: Taken) -> list[Finding]:
+    """Return a finding if the file writes a unit that cannot be converted to the plant's."""
+    if not taken.foreign:
+        return []
+    own = taken.quantity.unit
+    text = Message("record.finding.unit-kind", name=taken.quantity.name, unit=taken.foreign, target=own)
+    treatment = Message("record.treatment.unit-kind", target=own)
+    return [Finding("unit", "doubtful", text, treatment, taken.quantity.name, taken.column)]
+
+
 def doubtful_unit(taken: Taken, values: np.ndarray, expected: float | None) -> list[Finding]:
     """Return a finding if no unit is written, and another one suits the plant's usual value much better."""
     if taken.written or expected is None:
