@@ -10,6 +10,7 @@ import numpy as np
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
 from thetascope.records.readers.cells_of_values import column_of_values, table_of_arrays
+from thetascope.records.readers.mat5_elements import Damaged, Unsupported, check_variable
 from thetascope.records.table import MOST_BYTES, Column, Table, check_bytes
 
 _HEAD = 128
@@ -24,7 +25,10 @@ def read_mat(name: str, data: bytes) -> Table:
 
     if data.startswith(b"MATLAB 5.0"):
         data = plain(data)
-    content = loadmat(io.BytesIO(data), struct_as_record=False, squeeze_me=True, mat_dtype=False)
+    try:
+        content = loadmat(io.BytesIO(data), struct_as_record=False, squeeze_me=True, mat_dtype=False)
+    except (TypeError, ValueError) as error:
+        raise _damaged(str(error)[:100]) from None
     arrays: dict[str, np.ndarray] = {}
     texts: dict[str, Column] = {}
     for variable, value in content.items():
@@ -35,7 +39,10 @@ def read_mat(name: str, data: bytes) -> Table:
 
 
 def plain(data: bytes) -> bytes:
-    """Return a file of version 5 without packed variables. Raises SpecError for lengths that the file does not have."""
+    """Return a file of version 5 without packed variables, and only with those that hold numbers or text.
+
+    Raises SpecError for lengths that the file does not have.
+    """
     order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
     if order is None:
         raise _damaged("no byte order")
@@ -58,8 +65,14 @@ def plain(data: bytes) -> bytes:
         check_bytes(size)
         if len(content) < 8 or struct.unpack(f"{order}I", content[4:8])[0] > len(content):
             raise _damaged("the file ends early")
-        parts.append(content)
         place = end
+        try:
+            check_variable(content, order)
+        except Damaged as error:
+            raise _damaged(str(error)) from None
+        except Unsupported:
+            continue
+        parts.append(content)
     return b"".join(parts)
 
 
