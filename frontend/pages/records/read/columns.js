@@ -3,13 +3,15 @@
 import {fill, h, number, symbol} from '../../../common/dom.js';
 import {hasWords, named, say, t} from '../../../i18n/words.js';
 import {sentence} from '../sentence.js';
-import {heading} from '../../../widgets/controls.js';
+import {heading, link} from '../../../widgets/controls.js';
 import {assigned, withTime, withUnit} from '../mapping.js';
 import {span} from '../numbers.js';
 
 /** @import * as service from '../../../types/service.js' */
 /** @import {Inspection, Plant, RecordActions, RecordState} from '../types.js' */
 
+const SHOWN = 8; // unused columns; more are folded
+const unfolded = new Set(); // ids of records whose columns are all shown
 const TIME_UNITS = /** @type {const} */ ([
   ...['s', 'ms', 'us', 'ns', 'min', 'h', 'd'],
   ...['epoch-s', 'epoch-ms', 'epoch-us', 'epoch-ns', 'datetime', 'clock', 'spreadsheet-days'],
@@ -26,9 +28,14 @@ export function columnsCard({inspection, plant, work}, act) {
     h('th', {scope: 'col', class: key}, t(`page.records.columns.${key}`)),
   );
   const missing = inspection.quantities.filter((one) => one.column === null);
+  const unused = plant ? inspection.columns.filter((one) => one.role === 'unused') : inspection.columns.slice(SHOWN);
+  const hidden = new Set(unused.length > SHOWN + 2 ? unused.slice(plant ? SHOWN : 0) : []);
   return h(
     'section',
-    {class: 'card columns-card', 'aria-busy': work === 'mapping' ? 'true' : null},
+    {
+      class: `card columns-card${unfolded.has(inspection.id) ? ' unfolded' : ''}`,
+      'aria-busy': work === 'mapping' ? 'true' : null,
+    },
     heading(t('page.records.columns'), h('span', {class: 'soft aside'}, t('page.records.columns.hint'))),
     h(
       'table',
@@ -38,7 +45,7 @@ export function columnsCard({inspection, plant, work}, act) {
         'tbody',
         {},
         inspection.times === null || inspection.mapping.time?.column === null ? periodRow(inspection, act) : null,
-        inspection.columns.map((column) => columnRow(column, inspection, act, plant)),
+        inspection.columns.map((column) => folds(columnRow(column, inspection, act, plant), hidden.has(column))),
         missing.map((one) =>
           h(
             'tr',
@@ -52,7 +59,28 @@ export function columnsCard({inspection, plant, work}, act) {
         ),
       ),
     ),
+    hidden.size > 0 && !unfolded.has(inspection.id) && unfold(hidden.size, inspection.id),
   );
+}
+
+/** @param {HTMLElement} row @param {boolean} hidden */
+function folds(row, hidden) {
+  if (hidden) row.classList.add('folded');
+  return row;
+}
+
+/**
+ * The button that shows the columns that are folded.
+ * @param {number} n
+ * @param {string} id   of the record
+ */
+function unfold(n, id) {
+  const button = link(t('page.records.columns.more', {n}), () => {
+    unfolded.add(id);
+    button.closest('.columns-card')?.classList.add('unfolded');
+    button.remove();
+  });
+  return button;
 }
 
 /** @param {Pick<service.MappedQuantity, 'name' | 'role'>} quantity */

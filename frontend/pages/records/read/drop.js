@@ -17,6 +17,7 @@ export function dropZone({inspection}, act) {
     type: 'file',
     id: 'file',
     class: 'visually-hidden',
+    tabindex: -1,
     'aria-label': t('page.records.choose-file'),
     onchange: () => {
       const [file] = input.files ?? [];
