@@ -54,7 +54,7 @@ test('an interval gives the number of decimals', () => {
   assert.equal(withInterval({value: 1.0012, low: 0.9822, high: 1.0202}), '1.001 ± 0.019');
   assert.equal(withInterval({value: 300, low: 299.5, high: 300.5}), '300.0 ± 0.5');
   assert.equal(withInterval({value: -0.0004, low: -0.03, high: 0.0292}), '0.00 ± 0.03');
-  assert.equal(withInterval({value: 1, low: 0.4, high: 3.2}), '1.0 (0.4 … 3.2)');
+  assert.equal(withInterval({value: 1, low: 0.4, high: 3.2}), '1.00 (0.40 … 3.20)');
   assert.equal(withInterval({value: 2, low: 2, high: 2}), '2');
   assert.equal(withInterval({value: 2.5e-5, low: 2.4e-5, high: 2.6e-5}), '2.5·10⁻⁵ ± 1·10⁻⁶');
   assert.deepEqual([percent(0.9771), percent(null)], ['97.7\u202f%', '–']);

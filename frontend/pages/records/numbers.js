@@ -16,7 +16,8 @@ export function withInterval({value, low, high}) {
   if (!(half > 0) || !Number.isFinite(half)) return number(value);
   const power = Math.floor(Math.log10(half));
   const lead = half / 10 ** power;
-  const places = Math.min(9, Math.max(0, (lead < 2 ? 1 : 0) - power));
+  const lopsided = Math.abs((high + low) / 2 - value) > 0.2 * half;
+  const places = Math.min(9, Math.max(0, (lead < 2 ? 1 : 0) - power + (lopsided ? 1 : 0)));
   const size = Math.max(Math.abs(value), half);
   /** @param {number} one */
   const written = (one) =>
@@ -26,7 +27,6 @@ export function withInterval({value, low, high}) {
           .toFixed(places)
           .replace(/^-(?=0(\.0*)?$)/, '')
           .replace('-', '−');
-  const lopsided = Math.abs((high + low) / 2 - value) > 0.2 * half;
   return lopsided
     ? `${written(value)} (${written(low)} … ${written(high)})`
     : `${written(value)} ± ${size < 1e-3 || size >= 1e6 ? number(half, 2) : half.toFixed(places)}`;
