@@ -182,6 +182,13 @@ def test_every_format_gives_the_same_recording(name):
     assert np.array_equal(recording.u[:, 0], Q) and recording.y[:, 0] == pytest.approx(Y, rel=1e-14)
 
 
+def test_a_matrix_without_names_is_mapped_by_order_and_marked():
+    """Its first column increases and is the time; the others have to be looked at."""
+    found = inspected(matlab({"data": np.stack([T, Q, Y], axis=1), "rate": 1.0}))
+    assert [(t.column, t.certain) for t in found.mapping.taken] == [("data_2", False), ("data_3", False)]
+    assert np.array_equal(found.recording.t, T) and np.array_equal(found.recording.y[:, 0], Y)
+
+
 def test_units_come_from_the_files_metadata():
     """Attributes of HDF5, properties of TDMS, the line below the names in a workbook."""
     for name, unit in (("hdf5 groups", ("", "cm")), ("tdms", ("cm3/s", "")), ("xlsx", ("cm3/s", "cm"))):

@@ -21,7 +21,31 @@ def clock(t: int) -> str:
     return (START + datetime.timedelta(seconds=t)).strftime("%H:%M:%S")
 
 
+LABVIEW = """LabVIEW Measurement	
+Separator	Tab
+X_Columns	One
+Date	2024/03/01
+***End_of_Header***	
+	
+Channels	2
+Samples	400	400
+Date	2024/03/01	2024/03/01
+Y_Unit_Label	cm3/s	cm
+X0	0.0E+0	0.0E+0
+Delta_X	1.0	1.0
+***End_of_Header***		
+"""
+CAMPBELL = """"TOA5","CR1000","CR1000","12345","Table1"
+"TIMESTAMP","RECORD","q","y"
+"TS","RN","cm3/s","cm"
+"","","Avg","Smp"
+"""
 SAME = {
+    "labview": LABVIEW + text(rows(), "X_Value\tq\ty\tComment", "\t"),
+    "campbell": CAMPBELL
+    + text(
+        [[(START + datetime.timedelta(seconds=t)).isoformat(" "), *row] for t, *row in ([r[0], *r] for r in rows())], ""
+    ).lstrip("\n"),
     "as it is": text(rows()),
     "no last line end": text(rows()).rstrip(),
     "carriage returns": text(rows()).replace("\n", "\r\n"),
@@ -213,6 +237,14 @@ def test_a_file_without_names_is_mapped_by_order_and_marked():
     assert [c.name for c in found.table.columns] == ["col1", "col2", "col3"] and not found.table.named
     assert [(t.column, t.certain) for t in found.mapping.taken] == [("col2", False), ("col3", False)]
     assert np.array_equal(found.recording.y[:, 0], Y) and np.array_equal(found.recording.u[:, 0], Q)
+
+
+def test_names_that_are_numbers_are_names():
+    """The first line has a word where the others have times."""
+    found = inspected(text(rows(), "time,1,2"))
+    assert [c.name for c in found.table.columns] == ["time", "1", "2"] and len(found.table) == ROWS
+    slip = inspected(text(changed((0,), 2, "2O.1")))
+    assert len(slip.recording) == ROWS and np.isnan(slip.recording.y[0, 0])
 
 
 def test_a_record_without_times_needs_a_period():

@@ -50,7 +50,7 @@ _SET_POINTS = _set(
     "sp spt setpoint setpt set ref reference target goal desired 设定 设定值 给定 目标 soll error err status alarm mode"
 )
 _TIMES = _set(
-    "t time timestamp datetime date seconds sec secs elapsed ts clock zeit temps tiempo minutes min "
+    "t time timestamp datetime date seconds sec secs elapsed ts clock zeit xvalue temps tiempo minutes min "
     "hours millis ms utc epoch moment 时间 时刻 日期 时间戳"
 )
 

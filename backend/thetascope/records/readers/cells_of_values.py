@@ -33,8 +33,11 @@ def table_of_arrays(
     Raises SpecError if no array has two rows.
     """
     made: dict[str, Column] = {}
+    unnamed: set[str] = set()
     for name, array in arrays.items():
-        for part, values in _columns(name, np.asarray(array)):
+        parts = _columns(name, np.asarray(array))
+        unnamed |= {part for part, _ in parts} if len(parts) > 1 else set()
+        for part, values in parts:
             made[part] = number_column(part, values, units.get(name, ""))
     made |= columns or {}
     lengths = [len(column.values) for column in made.values() if len(column.values) > 1]
@@ -48,7 +51,7 @@ def table_of_arrays(
     names = distinct([short for short in _short(list(kept))])
     shown = [Column(**{**vars(column), "name": name}) for name, column in zip(names, kept.values(), strict=True)]
     about = Message(f"record.dialect.{format}")
-    return Table(tuple(shown), np.arange(1, length + 1), format, about, notes=notes)
+    return Table(tuple(shown), np.arange(1, length + 1), format, about, not unnamed >= set(kept), notes)
 
 
 def _columns(name: str, array: np.ndarray) -> list[tuple[str, np.ndarray]]:

@@ -25,9 +25,10 @@ COMMENTS = ("#", "%", "//", "!", '"#')
 _SAMPLE = 400  # lines from the beginning of the file by which its dialect is found,
 _LATER = 200  # and lines from the rest of it
 _WIDER = (r"\s+(?![\[(])", r"\s{2,}|\t", r"\s*[,;|\t]\s*")
+_REMARKS = ("", "comment", "comments", "remark", "remarks", "note")  # heads of columns that rows may leave out
 _FEW = 0.5  # share of cells above which a column is of a kind
 _UNIT = re.compile(
-    r"[\[(].{0,23}[\])]|-|%|[^,;]{0,12}[°²³µμΩ℃/^*·][^,;]{0,12}|[kmMucn]?(?:s|m|g|V|A|W|Pa|N|l|L|Hz|J|bar|Ohm|mol)"
+    r"[\[(].{0,23}[\])]|-|%|(?=.*[°²³µμΩ℃/^*·])(?:1/)?[^\d,;][^,;]{0,20}|[kmMucn]?(?:s|m|g|V|A|W|Pa|N|l|L|Hz|J|bar|Ohm|mol)"
     r"|sec|min|h|hr|d|TS|RN|K|C|F|deg ?[CFK]?|Deg C|cm[23]|psi|rpm|pct|lpm|gpm|rad|Nm|inch|ft|ppm|pH"
     r"|秒|分|分钟|小时|毫秒|米|厘米|毫米|摄氏度|帕|千帕|伏|安|瓦|升|转"
 )
@@ -154,16 +155,29 @@ def _kinds(rows: Sequence[Sequence[str]], width: int, decimal: Decimal) -> str:
 
 
 def _first_row(rows: Sequence[Sequence[str]], skip: int, width: int, kinds: str, decimal: Decimal) -> int:
-    """Return the place of the first row of data: the first that has a value where the column has values."""
+    """Return the place of the first row of data: it has values where the column has values, and so have the next."""
     valued = [place for place, kind in enumerate(kinds) if kind in "nd"]
-    for index in range(skip, len(rows)):
-        row = rows[index]
+    if not valued:
+        return min(skip + 1, len(rows))
+
+    def is_data(row: Sequence[str]) -> bool:
         if len(row) != width:
-            continue
+            return False
         own = [_kind(clean(row[place]), decimal) for place in valued]
-        matches = sum(1 for kind, place in zip(own, valued, strict=True) if kind == kinds[place])
-        texts = own.count("t")
-        if valued and matches and (index > skip or matches > texts) or not valued and index > skip:
+        return sum(kind == kinds[place] for kind, place in zip(own, valued, strict=True)) > own.count("t")
+
+    headless = True  # so far no line is as wide as the data: the first one that has a word holds the names
+    for index in range(skip, len(rows)):
+        if len(rows[index]) == width and headless:
+            headless = False
+            if any(
+                clean(rows[index][place]).isalpha() and _kind(clean(rows[index][place]), decimal) == "t"
+                for place in valued
+            ):
+                continue
+        if is_data(rows[index]) and sum(is_data(row) for row in rows[index + 1 : index + 4]) >= min(
+            2, len(rows) - index - 1
+        ):
             return index
     return len(rows)
 
@@ -180,12 +194,13 @@ def _head(
         return None, ("",) * width
     filled = [sum(map(bool, row)) for row in fitting]
     full = [k for k, count in enumerate(filled) if count == max(filled)]
-    below = [k for k, row in enumerate(fitting) if k and _are_units(row)]
-    above = [k for k in full if not below or k < below[0]] or [0]
-    names = tuple(fitting[above[-1]])  # a remark above them may happen to have as many parts
-    if not below:
-        return names, ("",) * width
-    return names, tuple(cell.strip("[]() ") if cell not in ("-", "[-]") else "" for cell in fitting[below[0]])
+    names = full[-1]  # a remark above may happen to have as many parts
+    units = next((k for k in range(names + 1, len(fitting)) if _are_units(fitting[k])), None)
+    if len(full) > 1 and _are_units(fitting[names]):
+        names, units = full[-2], names
+    if units is None:
+        return tuple(fitting[names]), ("",) * width
+    return tuple(fitting[names]), tuple(c.strip("[]() ") if c not in ("-", "[-]") else "" for c in fitting[units])
 
 
 def _are_units(row: Sequence[str]) -> bool:
@@ -199,6 +214,6 @@ def _fitted(cells: Sequence[str], width: int, trailing: bool) -> list[str] | Non
     row = [clean(cell) for cell in cells]
     if len(row) == width - 1:
         row = [*row, ""] if trailing else ["", *row]
-    if len(row) == width + 1 and not row[-1]:
+    if len(row) == width + 1 and row[-1].lower() in _REMARKS:
         row = row[:-1]
     return row if len(row) == width and any(row) else None
