@@ -175,9 +175,8 @@ def _first_row(rows: Sequence[Sequence[str]], skip: int, width: int, kinds: str,
                 for place in valued
             ):
                 continue
-        if is_data(rows[index]) and sum(is_data(row) for row in rows[index + 1 : index + 4]) >= min(
-            2, len(rows) - index - 1
-        ):
+        following = rows[index + 1 : index + 4]
+        if is_data(rows[index]) and 2 * sum(map(is_data, following)) >= len(following):
             return index
     return len(rows)
 
