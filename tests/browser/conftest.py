@@ -78,6 +78,7 @@ def started(folder: Path) -> tuple[str, int]:
         "THETASCOPE_PORT": str(port),
         "THETASCOPE_HOST": "127.0.0.1",
         "THETASCOPE_IDLE": "60",
+        "THETASCOPE_BACKLOG": "1M",  # a session is too long for late viewers, who get a part of it, earlier
     }
     code = "from thetascope.server.app import serve; from thetascope.settings import load; serve(load())"
     with (folder / "log").open("w") as log:
