@@ -33,6 +33,21 @@ def test_space_plays_after_escape_has_closed_a_dialog(tab, way):
     until(live, OPENED)
 
 
+def test_a_dialog_that_is_opened_as_another_closes_keeps_its_content(tab):
+    """The browser reports that a dialog was closed when the next one is open already."""
+    live = opened(tab)
+    live.keyboard.press("e")
+    until(live, OPENED)
+    live.evaluate("""async () => {
+      const dialog = document.querySelector('dialog[open]');
+      const reported = new Promise((done) => dialog.addEventListener('close', done));
+      dialog.close();
+      document.body.dispatchEvent(new KeyboardEvent('keydown', {key: 's', bubbles: true}));
+      await reported;
+    }""")
+    assert live.locator("dialog[open] .dialog-body").count() == 1
+
+
 def test_focus_that_returns_late_leaves_space_to_the_page(tab):
     """The browser may give the focus back a frame after Escape: Space pauses then, too."""
     live = opened(tab)

@@ -31,7 +31,8 @@ export function mount(element, app) {
   dialog.addEventListener('click', (event) => {
     if (event.target === dialog) dialog.close();
   });
-  dialog.addEventListener('close', () => body.remove());
+  // The event comes later than the dialog closes, and may find it open again with another body.
+  dialog.addEventListener('close', () => dialog.open || body.remove());
   fill(element, dialog);
   opens((name) => {
     if (dialog.open) dialog.close();
