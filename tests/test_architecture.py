@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import grimp
@@ -17,6 +18,12 @@ PAGE = sorted(path for path in (ROOT / "frontend").rglob("*") if path.suffix in 
 LINES_OF_A_FILE = 400
 LINES_OF_A_FUNCTION = 60
 MODULES_OF_A_FOLDER = 12
+
+
+@cache
+def parsed(path: Path) -> ast.Module:
+    """Return the syntax tree of a file."""
+    return ast.parse(path.read_text())
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +110,7 @@ def test_every_external_package_is_declared(imports: grimp.ImportGraph):
 def test_every_folder_is_documented_and_small():
     """Each folder of modules has an __init__ with a docstring, and a limited number of modules."""
     for folder in {path.parent for path in CODE if path.parent.parent.name != ROOT.name}:
-        assert ast.get_docstring(ast.parse((folder / "__init__.py").read_text())), folder
+        assert ast.get_docstring(parsed(folder / "__init__.py")), folder
         assert len(list(folder.glob("*.py"))) - 1 <= MODULES_OF_A_FOLDER, folder
 
 
@@ -117,7 +124,7 @@ def test_functions_are_short():
     """No function is longer than a screen, its docstring not counted."""
     long = {}
     for path in [*CODE, *TESTS]:
-        for node in ast.walk(ast.parse(path.read_text())):
+        for node in ast.walk(parsed(path)):
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
                 count = (
                     node.end_lineno - node.lineno + 1 - len((ast.get_docstring(node, clean=False) or "").splitlines())
@@ -137,7 +144,7 @@ def test_text_is_never_evaluated():
     }
     found = set()
     for path in CODE:
-        for call in (node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call)):
+        for call in (node for node in ast.walk(parsed(path)) if isinstance(node, ast.Call)):
             plain, dotted = getattr(call.func, "id", ""), getattr(call.func, "attr", "")
             if plain in by_name or plain in by_any_name or dotted in by_any_name:
                 found.add((path.relative_to(ROOT).as_posix(), plain or dotted))
@@ -147,8 +154,6 @@ def test_text_is_never_evaluated():
 def test_modules_have_docstrings():
     """Every module of the program begins with one."""
     empty = [
-        str(path.relative_to(ROOT))
-        for path in CODE
-        if path.stat().st_size and not ast.get_docstring(ast.parse(path.read_text()))
+        str(path.relative_to(ROOT)) for path in CODE if path.stat().st_size and not ast.get_docstring(parsed(path))
     ]
     assert empty == []

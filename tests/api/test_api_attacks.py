@@ -33,7 +33,7 @@ Service = tuple[subprocess.Popen, str]
 def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """Start a service whose computations may take little more than a second of processor time."""
     folder = tmp_path_factory.mktemp("guarded")
-    with process(folder, job_cpu=1.2, job_seconds=5, max_seconds=1.5, workers=2) as started:
+    with process(folder, job_cpu=1.2, job_seconds=8, max_seconds=4, workers=2) as started:
         until(lambda: all(send(started[1], *probe)[0] < 300 for probe in probes(0)))  # compiles what users share
         yield started
 

@@ -73,8 +73,8 @@ def test_a_diverged_observer_is_restarted_under_its_name():
     for label in ("kalman", "another"):
         do(session, "remove-observer", label="adaptive")
         do(session, "add-observer", observer=own.model_dump())
-        advance(session, 20, pieces)
-        assert np.isfinite(live_rows(pieces, "adaptive.x.x1")[-20:]).all()
+        advance(session, 8, pieces)
+        assert np.isfinite(live_rows(pieces, "adaptive.x.x1")[-8:]).all()
         do(session, "add-observer", observer={"label": label, "kind": "adaptive-kalman"})
     assert sum(e.kind == "diverged" for e in session.log) == 1
     assert_same(pieces, session)
