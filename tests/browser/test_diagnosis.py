@@ -136,7 +136,7 @@ def test_a_proposed_input_is_applied(tab):
     """With its own input held constant the motor's faults are not distinguished; Apply sends the proposed input."""
     live = started(tab, "/?experiment=dc-motor&t=2")
     live.evaluate("thetascope.send({type: 'set-signal', name: 'voltage', signal: {kind: 'constant', value: 12}})")
-    live.evaluate("thetascope.act.step(2000)")
+    live.evaluate("thetascope.act.step(500)")
     live.locator("#panel-diagnosis .heading-links button").first.click()
     live.click(".proposal button")
     live.wait_for_selector(".proposal .press:not(.quiet-press)")
