@@ -2275,6 +2275,8 @@ export interface RecordDiagnosis {
   duration: number;
   /** The statistic along the record, or null. */
   statistic: StatisticCurve | null;
+  /** The simulation from the healthy stretch's first row on, to compare with the readings. */
+  simulated: SimulatedOutputs | null;
   /** Assumptions and limitations. */
   notes: (Text)[];
 }
@@ -2868,6 +2870,14 @@ export interface SignalForm {
   description: string;
   fields: (FormField)[];
   example: {[name: string]: JsonValue};
+}
+
+/** The outputs of the plant, with fitted parameters if there are any, simulated without corrections, thinned. */
+export interface SimulatedOutputs {
+  /** Times of rows in s after the first row. */
+  t: (number)[];
+  /** Values at these times, by output; null: the simulation has diverged. */
+  outputs: {[name: string]: (number | null)[]};
 }
 
 /** θ = size·sin(2π·frequency·τ + phase). */

@@ -6,7 +6,7 @@ import {findingsCsv} from '../../frontend/pages/records/findings/findings-csv.js
 import {yamlOf} from '../../frontend/pages/records/fit/plant-yaml.js';
 import {destination, moved} from '../../frontend/pages/records/fit/stretch.js';
 import {percent, span, withInterval} from '../../frontend/pages/records/numbers.js';
-import {apart, heights, path, range} from '../../frontend/pages/records/picture/curves.js';
+import {apart, heights, line, path, range, widened} from '../../frontend/pages/records/picture/curves.js';
 
 test('an axis shows all values, its line, and nothing beyond the largest that is asked for', () => {
   const [low, high] = range([1, null, 2], [3, null, 9]);
@@ -28,6 +28,12 @@ test('a path runs through both ends of each interval, and is broken where there 
   assert.equal(path([0, null, null, 5], [0, null, null, 5], height), 'M0.0 100.0M750.0 50.0');
   assert.equal(path([0, null, 5], [0, null, 5], height), 'M0.0 100.0L666.7 50.0');
   assert.equal(path([0, 10], [0, 10], height, true), 'M0.0 100.0H500.0V0.0H1000');
+});
+
+test('a second curve is drawn at its own times, and widens the axis by at most its width', () => {
+  assert.equal(line([0, 5, 10, 20], [0, 10, null, 5], 20, heights([0, 10])), 'M0.0 100.0L250.0 0.0M1000.0 50.0');
+  assert.deepEqual(widened([0, 10], [5, null, 12]), [0, 12]);
+  assert.deepEqual(widened([0, 10], [-1e9, 1e9]), [-10, 20]);
 });
 
 test('marks keep their order and a distance, and stay within the picture', () => {

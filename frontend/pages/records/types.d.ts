@@ -65,6 +65,8 @@ export interface Strip {
   unit: string;
   low: readonly (number | null)[];
   high: readonly (number | null)[];
+  /** A second curve: values at times in s. */
+  second?: {t: readonly number[]; values: readonly (number | null)[]};
   /** Values are held from one interval to the next, as of inputs. */
   held?: boolean;
   /** Intervals without values that make no gap. */

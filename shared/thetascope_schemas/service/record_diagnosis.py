@@ -326,6 +326,17 @@ class StatisticCurve(Strict):
     largest: tuple[Number, ...]
 
 
+class SimulatedOutputs(Strict):
+    """The outputs of the plant, with fitted parameters if there are any, simulated without corrections, thinned."""
+
+    model_config = example(t=[0.0, 10.0], outputs={"y": [20.0, 20.4]})
+
+    t: tuple[Number, ...] = Field(description="Times of rows in s after the first row.")
+    outputs: dict[Reference, tuple[Number | None, ...]] = Field(
+        description="Values at these times, by output; null: the simulation has diverged."
+    )
+
+
 class RecordDiagnosis(Strict):
     """The diagnosis of a record."""
 
@@ -359,4 +370,8 @@ class RecordDiagnosis(Strict):
     rows: int = Field(ge=0, description="Rows of the record.")
     duration: Number = Field(description="Length of the record in s.")
     statistic: StatisticCurve | None = Field(default=None, description="The statistic along the record, or null.")
+    simulated: SimulatedOutputs | None = Field(
+        default=None,
+        description="The simulation from the healthy stretch's first row on, to compare with the readings.",
+    )
     notes: tuple[Sentence, ...] = Field(default=(), description="Assumptions and limitations.")

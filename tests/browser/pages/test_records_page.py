@@ -38,6 +38,7 @@ def test_a_fault_is_found_in_three_steps_and_the_address_reopens_them(page, tmp_
     assert "diagnosis" not in sent and opened.inner_text(".record-name h1") == "tank.csv"
     assert opened.locator(".picture .plot path").count() == 3 and opened.locator("#step-2").is_disabled()
     assert "fits" in checked(opened) and opened.locator(".fits tbody tr").count() == 1
+    assert opened.locator(".plot path.simulated").count() == 1
     opened.click("#next")
     row = opened.wait_for_selector(".faults tbody tr")
     assert "Sensor offset" in row.inner_text()

@@ -18,6 +18,7 @@ from thetascope.diagnosis.records.diagnose import (
 )
 from thetascope.diagnosis.records.findings import Candidate, Estimate, RecordFault
 from thetascope.diagnosis.records.fit_check import FitCheck
+from thetascope.diagnosis.records.model import first_noise, start_of
 from thetascope.diagnosis.records.naming import EQUAL
 from thetascope.diagnosis.sentences import joined
 from thetascope.engine.errors import SpecError
@@ -130,6 +131,7 @@ def _report(plant: Plant, answer: RecordAnswer) -> dict:
         "rows": len(answer.rows.t),
         "duration": float(answer.rows.t[-1] - answer.rows.t[0]),
         "statistic": _curve(answer),
+        "simulated": _simulated(plant, answer),
         "notes": _notes(answer),
     }
 
@@ -328,11 +330,31 @@ def _curve(answer: RecordAnswer) -> dict | None:
     """Return the statistic along the record, the largest in each interval."""
     if not len(answer.statistic):
         return None
-    edges = np.unique(np.linspace(0, len(answer.statistic), _POINTS + 1).astype(int))[:-1]
+    edges = _places(len(answer.statistic))
     return {
         "t": answer.rows.t[edges].tolist(),
         "largest": np.maximum.reduceat(answer.statistic, edges).tolist(),
     }
+
+
+def _simulated(plant: Plant, answer: RecordAnswer) -> dict:
+    """Return the outputs of a simulation from the first judged row on, thinned; its start fits the first rows."""
+    model, rows = answer.model, answer.rows
+    with np.errstate(all="ignore"):
+        start = start_of(model, rows, first_noise(model, rows))
+        _, y = model.filter.simulate(rows, start.x)
+    places = _places(len(rows.t))
+    columns = np.where(np.isfinite(y[places]), y[places], np.nan).T
+    outputs = {
+        name: [None if np.isnan(value) else float(value) for value in column]
+        for name, column in zip(plant.names("outputs"), columns, strict=True)
+    }
+    return {"t": rows.t[places].tolist(), "outputs": outputs}
+
+
+def _places(rows: int) -> np.ndarray:
+    """Return the rows at which intervals of a curve begin."""
+    return np.unique(np.linspace(0, rows, _POINTS + 1).astype(int))[:-1]
 
 
 def _notes(answer: RecordAnswer) -> list[Message]:

@@ -8,7 +8,7 @@ import {sentence} from '../sentence.js';
 import {badge, heading} from '../../../widgets/controls.js';
 import {span} from '../numbers.js';
 import {picture} from '../picture/picture.js';
-import {gapsOf, stripsOf} from '../read/read-step.js';
+import {gapsOf, lengthOf, stripsOf} from '../read/read-step.js';
 import {faultTable, titleOf} from './fault-table.js';
 
 /** @import {Band, Diagnosis, Mark, Plant, RecordActions, RecordState, Strip} from '../types.js' */
@@ -32,7 +32,7 @@ export function findingsStep({diagnosis, plant, preview, inspection}, act) {
         {class: 'card verdict-card', role: 'status'},
         h('p', {class: 'verdict'}, sentence(diagnosis.sentence)),
         faultTable(diagnosis.faults, plant),
-        h('p', {class: 'soft'}, quiet(diagnosis)),
+        h('p', {class: 'soft'}, quiet(diagnosis, inspection ? lengthOf(inspection) : diagnosis.duration)),
       ),
       preview &&
         inspection &&
@@ -41,9 +41,9 @@ export function findingsStep({diagnosis, plant, preview, inspection}, act) {
           {class: 'card picture-card'},
           heading(t('page.records.record'), legend()),
           picture({
-            duration: diagnosis.duration || (inspection.times?.duration ?? 1),
-            strips: [...stripsOf(preview, plant), ...statistic(diagnosis, preview.t.length)],
-            bands: [...gapsOf(inspection, preview.t[0] ?? 0), ...faultBands(diagnosis)],
+            duration: lengthOf(inspection),
+            strips: [...stripsOf(preview, plant), ...statistic(diagnosis, preview.t.length, lengthOf(inspection))],
+            bands: [...gapsOf(inspection, preview.t[0] ?? 0), ...faultBands(diagnosis, lengthOf(inspection))],
             marks: alarmMarks(diagnosis, plant, preview.series[0]?.name ?? STATISTIC),
             label: t('page.records.record'),
           }),
@@ -60,8 +60,8 @@ export function findingsStep({diagnosis, plant, preview, inspection}, act) {
   ];
 }
 
-/** @param {Diagnosis} diagnosis */
-const quiet = ({healthy, false_alarms, duration}) =>
+/** @param {Diagnosis} diagnosis @param {number} duration  s */
+const quiet = ({healthy, false_alarms}, duration) =>
   t('page.records.quiet', {
     rate: number(false_alarms, 3),
     begin: number(healthy.begin, 5),
@@ -85,9 +85,10 @@ const legend = () =>
  * The statistic against its threshold.
  * @param {Diagnosis} diagnosis
  * @param {number} count   intervals of the picture
+ * @param {number} duration   s
  * @returns {Strip[]}
  */
-function statistic({statistic: curve, threshold, duration}, count) {
+function statistic({statistic: curve, threshold}, count, duration) {
   if (!curve || curve.t.length === 0) return [];
   /** @type {(number | null)[]} */
   const largest = Array(Math.max(1, Math.min(count, curve.t.length))).fill(null);
@@ -112,8 +113,8 @@ function statistic({statistic: curve, threshold, duration}, count) {
   ];
 }
 
-/** @param {Diagnosis} diagnosis @returns {Band[]} */
-const faultBands = ({faults, duration}) =>
+/** @param {Diagnosis} diagnosis @param {number} duration  s @returns {Band[]} */
+const faultBands = ({faults}, duration) =>
   faults.flatMap(({best, ended, text}) => [
     {from: best.onset.value, to: ended ?? duration, kind: /** @type {const} */ ('fault'), title: sentence(text)},
     {from: Math.max(0, best.onset.low), to: best.onset.high, kind: /** @type {const} */ ('onset')},

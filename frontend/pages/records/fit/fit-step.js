@@ -157,6 +157,14 @@ function pictureCard(state, act) {
       h(
         'span',
         {class: 'legend'},
+        diagnosis?.simulated && [
+          h('span', {class: 'chip', style: '--c:var(--soft)'}),
+          t('page.records.legend.measured'),
+          h('span', {class: 'chip', style: '--c:var(--o0)'}),
+          diagnosis.fit.verdict === 'fits-after-fit'
+            ? t('page.records.legend.simulated-fitted')
+            : t('page.records.legend.simulated'),
+        ],
         h('span', {class: 'swatch healthy'}),
         t('page.records.healthy'),
         h('span', {class: 'swatch gap'}),
@@ -166,7 +174,7 @@ function pictureCard(state, act) {
     stretch && stretchFields(stretch, state, act),
     picture({
       duration,
-      strips: stripsOf(preview, state.plant),
+      strips: stripsOf(preview, state.plant, diagnosis?.simulated),
       bands: gapsOf(inspection, preview.t[0] ?? 0),
       over:
         stretch &&

@@ -76,6 +76,41 @@ export function path(low, high, height, held = false, bridged = 1) {
 }
 
 /**
+ * The path through values at times; a gap where one is missing.
+ * @param {readonly number[]} t
+ * @param {Values} values
+ * @param {number} end   time at the right edge
+ * @param {(value: number) => number} height
+ */
+export function line(t, values, end, height) {
+  let drawing = false;
+  return values
+    .map((value, k) => {
+      const command = drawing ? 'L' : 'M';
+      drawing = value !== null;
+      return value === null ? '' : `${command}${((WIDTH * t[k]) / end).toFixed(1)} ${height(value).toFixed(1)}`;
+    })
+    .join('');
+}
+
+/**
+ * A range widened to show another curve, as far as that is at most as far outside as the range is wide.
+ * @param {[number, number]} limits
+ * @param {Values} values
+ * @returns {[number, number]}
+ */
+export function widened([low, high], values) {
+  const span = high - low;
+  let [least, largest] = [low, high];
+  for (const value of values) {
+    if (value === null) continue;
+    least = Math.min(least, Math.max(value, low - span));
+    largest = Math.max(largest, Math.min(value, high + span));
+  }
+  return [least, largest];
+}
+
+/**
  * Places of marks, as shares of the width, moved apart so that none covers another; their order stays.
  * @param {readonly number[]} places
  * @param {number} gap

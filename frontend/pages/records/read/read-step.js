@@ -11,7 +11,7 @@ import {dropZone, earlierCard} from './drop.js';
 import {findingsCard} from './findings-list.js';
 import {plantCard} from './plant-card.js';
 
-/** @import {Band, Inspection, Mark, Plant, Preview, RecordActions, RecordState, Strip} from '../types.js' */
+/** @import {Band, Diagnosis, Inspection, Mark, Plant, Preview, RecordActions, RecordState, Strip} from '../types.js' */
 
 const MOST_MARKS = 60;
 const MOST_STRIPS = 24;
@@ -50,9 +50,10 @@ export function readStep(state, act) {
  * The preview's curves as strips; times from row to row last.
  * @param {Preview} preview
  * @param {Plant | null} plant
+ * @param {Diagnosis['simulated']} [simulated]
  * @returns {Strip[]}
  */
-export function stripsOf({series}, plant) {
+export function stripsOf({series}, plant, simulated = null) {
   return series.slice(0, MOST_STRIPS).map(({name, role, column, unit, low, high}) => {
     const item = itemOf(name, plant);
     return {
@@ -64,6 +65,7 @@ export function stripsOf({series}, plant) {
       high,
       held: role === 'input' || role === 'signal',
       small: role !== 'output',
+      second: simulated?.outputs[name] && {t: simulated.t, values: simulated.outputs[name]},
     };
   });
 }
@@ -104,7 +106,7 @@ function previewCard(inspection, preview, plant) {
   const marks = inspection.findings.slice(0, MOST_MARKS).map((one, place) => ({
     t: one.times.length
       ? one.times[0] - begin
-      : ((place + 1) / (inspection.findings.length + 1)) * duration(inspection),
+      : ((place + 1) / (inspection.findings.length + 1)) * lengthOf(inspection),
     strip: one.quantity !== null && keys.has(one.quantity) ? one.quantity : STEPS,
     sign: place + 1,
     title: `${place + 1}: ${sentence(one.text)}`,
@@ -119,7 +121,7 @@ function previewCard(inspection, preview, plant) {
       h('span', {class: 'soft aside'}, marks.length > 0 && t('page.records.record.hint')),
     ),
     picture({
-      duration: duration(inspection),
+      duration: lengthOf(inspection),
       strips,
       bands: gapsOf(inspection, begin),
       marks,
@@ -128,5 +130,5 @@ function previewCard(inspection, preview, plant) {
   );
 }
 
-/** @param {Inspection} inspection */
-const duration = ({times}) => times?.duration ?? 1;
+/** The length of a record in s. @param {Inspection} inspection */
+export const lengthOf = ({times}) => times?.duration ?? 1;
