@@ -2,7 +2,7 @@
 
 import pytest
 
-from thetascope.store import Damaged, Database, RecordStore, Share, StoreError, record_id, verify
+from thetascope.store import Damaged, Database, RecordStore, Share, StoreError, backup, record_id, restore, verify
 from thetascope.store.tables import RECORDS
 
 CSV = b"t,q,y\n0,50,20\n1,50,20.1\n"
@@ -60,6 +60,19 @@ def test_a_damaged_file_is_never_returned(database, spoilt):
         store.data(record_id(CSV))
     (defect,) = verify(database).defects
     assert defect.args == {"id": record_id(CSV)}
+
+
+def test_a_backup_holds_uploaded_records(place, tmp_path):
+    """Files and shares come back from the backup of a store, whatever database it is in."""
+    database = Database(place)
+    RecordStore(database).put(CSV, share("ann", plant='"dts200"'))
+    database.close()
+    backup(place, tmp_path / "backup.sqlite")
+    restore(tmp_path / "other.sqlite", tmp_path / "backup.sqlite")
+    restored = Database(tmp_path / "other.sqlite")
+    store = RecordStore(restored)
+    assert store.data(record_id(CSV)) == CSV and store.shares(record_id(CSV)) == [share("ann", plant='"dts200"')]
+    restored.close()
 
 
 def test_a_store_for_reading_takes_no_record(place):
