@@ -20,9 +20,13 @@ export function refusalCard({problem, refused}) {
     errors.length === 0
       ? problemBlock(problem)
       : h(
-          'ul',
-          {class: 'refusals', role: 'alert'},
-          errors.map((error) => h('li', {}, error.field && [h('code', {}, error.field), ' '], explained(error))),
+          'div',
+          {role: 'alert'},
+          h(
+            'ul',
+            {class: 'refusals'},
+            errors.map((error) => h('li', {}, error.field && [h('code', {}, error.field), ' '], explained(error))),
+          ),
         ),
   );
 }
