@@ -8,8 +8,10 @@ from thetascope import library
 from thetascope.engine.errors import SpecError
 from thetascope.records.columns.mapping import Mapping, mapping_of, quantities_of
 from thetascope.records.columns.names import split_unit
+from thetascope.records.columns.times import unit_of_time
 from thetascope.records.columns.units import choices, conversion, scale_of
 from thetascope.records.document import mapping_document
+from thetascope.records.table import number_column
 from thetascope.records.text.csv_table import table_of_text
 from thetascope_schemas.service.record_inspection import ColumnMapping
 
@@ -213,6 +215,24 @@ def test_times_that_are_dates_have_a_beginning():
     found = inspected(data)
     assert found.begin == "2024-03-01T06:00:00.000Z" and np.array_equal(found.recording.u[:, 0], Q)
     assert found.recording.t[-1] - found.recording.t[0] == len(rows()) - 1
+
+
+@pytest.mark.parametrize(
+    ("times", "unit"),
+    [
+        (0.1 * np.arange(1_000_000), "s"),
+        (np.arange(0, 4e9, 1e7), "s"),
+        (1.7e9 + np.arange(50), "epoch-s"),
+        (1.7e12 + np.arange(50), "epoch-ms"),
+        (1.7e15 + np.arange(50), "epoch-us"),
+        (45000 + np.arange(500) / 86400, "spreadsheet-days"),
+        (45000 + np.arange(500), "s"),
+        (np.where(np.arange(50) == 20, -9999, 1.7e12 + np.arange(50)), "epoch-ms"),
+    ],
+)
+def test_numbers_are_dates_only_if_all_of_them_are(times, unit):
+    """Seconds from zero on that pass through the numbers of dates stay seconds; a stray time changes nothing."""
+    assert unit_of_time(number_column("t", times))[0] == unit
 
 
 def test_an_index_is_no_time():

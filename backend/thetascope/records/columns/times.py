@@ -89,13 +89,13 @@ def unit_of_time(column: Column) -> tuple[TimeUnit, bool]:
     text = split_unit(column.name)[1] or column.unit
     written = "" if text.lower() in _ZONES else _WRITTEN.get(text.lower(), text)
     values = column.values[~np.isnan(column.values)]
-    middle = float(np.median(values)) if len(values) else 0.0
+    first, last = (float(q) for q in np.quantile(values, (0.03, 0.97))) if len(values) else (0.0, 0.0)
     if written in ("", "s", "ms", "us", "ns", "epoch-s"):
         for unit, factor in _EPOCHS.items():
-            if _YEARS[0] * factor <= middle <= _YEARS[1] * factor and unit.startswith(f"epoch-{written}"):
+            if _YEARS[0] * factor <= first and last <= _YEARS[1] * factor and unit.startswith(f"epoch-{written}"):
                 return unit, True
-    close = len(values) > 0 and (np.abs(np.diff(values)) < 1).all() and (values % 1 != 0).any()
-    if written == "" and _DAYS[0] <= middle <= _DAYS[1] and close:
+    close = len(values) > 0 and (np.abs(np.diff(values)) < 1).mean() > _FORWARD and (values % 1 != 0).any()
+    if written == "" and _DAYS[0] <= first and last <= _DAYS[1] and close:
         return "spreadsheet-days", True
     for unit in _FACTORS:
         if unit == written:
