@@ -94,7 +94,7 @@ def unit_of_time(column: Column) -> tuple[TimeUnit, bool]:
         for unit, factor in _EPOCHS.items():
             if _YEARS[0] * factor <= first and last <= _YEARS[1] * factor and unit.startswith(f"epoch-{written}"):
                 return unit, True
-    close = len(values) > 0 and (np.abs(np.diff(values)) < 1).mean() > _FORWARD and (values % 1 != 0).any()
+    close = len(values) > 1 and (np.abs(np.diff(values)) < 1).mean() > _FORWARD and (values % 1 != 0).any()
     if written == "" and _DAYS[0] <= first and last <= _DAYS[1] and close:
         return "spreadsheet-days", True
     for unit in _FACTORS:
