@@ -54,11 +54,13 @@ def read_on(page, folder: Path, name: str, text: str, plant: str = TANK):
     (folder / "plant.yaml").write_text(plant)
     (folder / name).write_text(text)
     page.wait_for_selector("#plant option:nth-child(3)", state="attached")
-    page.set_input_files("#plant-file", folder / "plant.yaml")
-    page.wait_for_selector("#plant option[value=' own']", state="attached")
-    page.set_input_files("#file", folder / name)
-    page.wait_for_selector("#found .checked, #refused")
+    with page.expect_response("**/api/plants/read"):
+        page.set_input_files("#plant-file", folder / "plant.yaml")
     page.wait_for_selector("#cancel", state="detached")
+    with page.expect_response("**/api/records?name=*"):
+        page.set_input_files("#file", folder / name)
+    page.wait_for_selector("#cancel", state="detached")
+    page.wait_for_selector("#found .checked, #refused")
     return page
 
 
