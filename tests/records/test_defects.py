@@ -45,6 +45,13 @@ def test_healthy_readings_hold_no_sentinels(scale, offset):
     assert not sentinels(np.round(scale * np.cumsum(NOISE) + offset, 1)).any()
 
 
+def test_levels_of_an_input_within_its_bounds_are_no_sentinels():
+    """99 is a value of a valve that is otherwise at 20 or 25 of 100, and a mark where 30 is the most."""
+    cells = np.repeat([20.0, 25.0, 99.0, 20.0], 50)
+    assert not sentinels(cells, 0.0, 100.0).any()
+    assert np.array_equal(sentinels(cells, 0.0, 30.0), cells == 99) and np.array_equal(sentinels(cells), cells == 99)
+
+
 def test_defects_of_readings_are_found_and_left_as_they_are():
     """Frozen, saturated and spiky readings are named with their times, and stay in the recording."""
     y = 20 + 2 * np.sin(T / 20) + 0.05 * NOISE[:ROWS]

@@ -23,6 +23,7 @@ _KNOWN = (
 )
 _HUGE = 1e20  # beyond the range of every sensor
 _FAR = 3.0  # ranges of the other values by which a sentinel lies outside of them
+_VERY_FAR = 20.0  # the same for values within the plausible range
 _JUMP = 20.0  # times the usual change from row to row
 _MOST = 0.5  # share of a column that may be sentinels
 
@@ -61,9 +62,10 @@ def _is_apart(value: float, others: np.ndarray, low: float | None, high: float |
     distance = max(bottom - value, value - top)
     if distance <= 0:
         return False
-    if distance > _FAR * max(top - bottom, 1e-12 * abs(value)):
-        return True
     lowest, highest = -np.inf if low is None else low, np.inf if high is None else high
+    plausible = np.isfinite(highest - lowest) and lowest <= value <= highest
+    if distance > (_VERY_FAR if plausible else _FAR) * max(top - bottom, 1e-12 * abs(value)):
+        return True
     within = ((others >= lowest) & (others <= highest)).mean()
     return bool(not lowest <= value <= highest and within > 0.95 and distance > 0.3 * (top - bottom))
 
