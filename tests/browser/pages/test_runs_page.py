@@ -96,7 +96,7 @@ def test_the_library_is_listed_and_a_choice_opens(page):
 
 def test_a_link_reopens_choice_changes_and_result(page, server):
     """The address contains seed, noise and run; a new page shows the same without running."""
-    opened = page("/runs/?experiment=zhao-2012", **SMALL)
+    opened = page("/runs/?experiment=zhao-2012&set=horizon%3D10", **SMALL)
     opened.fill("#field-seed", "5")
     opened.fill("#field-noise-y-std", "0.002")
     run(opened)
@@ -265,7 +265,7 @@ def test_the_report_opens_offline_from_a_file(page, server, browser, tmp_path):
 
 def test_a_run_names_how_the_simulated_plant_differs_from_the_model(page):
     """The form has a field for each difference; a refusal is shown at it; the run names them, in both languages."""
-    opened = page("/runs/?experiment=zhao-2012&set=truth.deviation%3D0.02", **SMALL)
+    opened = page("/runs/?experiment=zhao-2012&set=horizon%3D10&set=truth.deviation%3D0.02", **SMALL)
     opened.wait_for_selector("#field-truth-deviation")  # a link that sets one unfolds them
     assert opened.input_value("#field-truth-deviation") == "0.02" and opened.inner_text(".reality") == ""
     opened.fill("#field-truth-process_noise-x1", "0.001")
