@@ -219,3 +219,25 @@ def test_the_paths_fields_are_those_of_the_loops() -> None:
         "K": (3, 2, 4),
     }
     assert set(Path.shapes()) == set(vars(path)) - {"addresses"}
+
+
+def test_the_stiff_method_has_order_two_and_its_tangents() -> None:
+    """ROS2 converges to SciPy's flow with the square of the step, and F and G to the derivatives of the flow."""
+    filter_, x = record_filter(), np.array([[4.0, 2.2]])
+    width, u = 1.7, np.array([[0.55]])
+    exact, errors = flow(x[0], 0.55, np.zeros(2), width), []
+    slope = slopes(lambda z: flow(z, 0.55, np.zeros(2), width), x[0])
+    for steps in (-4.0, -8.0, -16.0):
+        one = Rows(
+            np.zeros(1),
+            np.array([width]),
+            np.array([steps]),
+            u,
+            np.full((1, 2), np.nan),
+            -np.ones(1),
+            np.zeros((0, 2, 2)),
+        )
+        result = filter_.filter(one, noise(False), x[0], SPREAD)
+        errors.append([np.abs(result.z - exact).max(), np.abs(result.path.F[0] - slope).max()])
+    ratios = np.array(errors[:-1]) / np.array(errors[1:])
+    assert ((3 < ratios) & (ratios < 5.5)).all(), ratios

@@ -150,7 +150,7 @@ def _single(follower: Follower, story: Sequence[FaultEvent], group: Sequence[Fau
         return None
     base = [e for e in others if e.onset < last]
     free = list(range(len(base), len(base) + len(group)))
-    several = score(stretch, [*base, *group], free, stretch.run([*base, *group]).loss)
+    several = score(stretch, [*base, *group], free, stretch.run([*base, *group], ()).loss)
     single = explanations(stretch, base, _near(stretch, group[0].onset), _taus(stretch))
     single = [s for s in single if s.event.shape != END and s.score < several]
     return single[0].event if single else None
@@ -163,7 +163,7 @@ def _significant(follower: Follower, story: Sequence[FaultEvent]) -> list[FaultE
         others = [e for e in kept if e is not event]
         after = [e.onset for e in kept if e.onset > event.onset]
         stretch = _stretch(follower, event.onset, min(after, default=None))
-        if stretch.run(others).loss - stretch.run(kept).loss < follower.threshold / 2:
+        if stretch.run(others, ()).loss - stretch.run(kept, ()).loss < follower.threshold / 2:
             kept = others
     while kept and kept[0].shape == END:
         kept = kept[1:]
@@ -179,7 +179,7 @@ def _simplified(follower: Follower, story: Sequence[FaultEvent]) -> list[FaultEv
         others = [e for i, e in enumerate(kept) if i != place]
         after = [e.onset for e in kept if e.onset > event.onset]
         stretch = _stretch(follower, event.onset, min(after, default=None))
-        own = score(stretch, [*others, event], [len(others)], stretch.run([*others, event]).loss)
+        own = score(stretch, [*others, event], [len(others)], stretch.run([*others, event], ()).loss)
         slope = event.slope or event.size / max(event.tau, stretch.period)
         simple = [event.moved(shape=STEP), event.moved(shape=RAMP, size=slope)]
         trials = [refine(stretch, [*others, e], [len(others)]) for e in simple]
@@ -209,7 +209,7 @@ def _fault(follower: Follower, joint: Explanation, place: int) -> RecordFault:
     stretch = _stretch(follower, event.onset, min((e.onset for e in after), default=None))
     ended = next((e.onset for e in after if e.shape == END and e.channel == event.channel), None)
     at = float(follower.data.t[-1]) if ended is None else ended - 1e-9
-    own = score(stretch, [*others, event], [len(others)], stretch.run([*others, event]).loss)
+    own = score(stretch, [*others, event], [len(others)], stretch.run([*others, event], ()).loss)
     alternatives: dict[int, Candidate] = {}
     for s in explanations(stretch, others, _near(stretch, event.onset), _taus(stretch)):
         other = s.event.channel
@@ -263,7 +263,7 @@ def _onset_interval(stretch: Stretch, events: Sequence[FaultEvent], place: int, 
     best story for onsets around the best one, with the best size for each.
     """
     event = events[place]
-    result = stretch.run(events)
+    result = stretch.run(events, [event.channel])
     nu = np.nan_to_num(result.path.nu).ravel()
     t, width, typical = stretch.data.t, stretch.data.width, float(stretch.typical[event.channel])
     reach = max(_REACH * std, 3 * stretch.period)

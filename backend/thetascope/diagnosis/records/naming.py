@@ -13,6 +13,7 @@ import numpy as np
 
 from thetascope.diagnosis.records.events import DRIFT, END, PLATEAU, RAMP, RISE, STEP, FaultEvent, courses
 from thetascope.engine.filtering.bundles import Faults, Noise, Rows
+from thetascope.engine.filtering.linear import solved
 from thetascope.engine.filtering.record_filter import FilterResult, RecordFilter
 
 EQUAL = 6.0  # difference of scores up to which explanations are not separable
@@ -20,9 +21,10 @@ _USUAL = 3.0  # typical sizes: the standard deviation of a fault's size
 _CHANNELS = 8  # own channels that are refined
 _ADDITIVE = 2  # additive faults that are refined
 _LACKING = 12.0  # by which an additive fault that the plant lacks must explain better
-_SHARE = 0.2  # of the best ratio: weaker candidates are not refined
+_MARGIN, _UNCERTAIN = 60.0, 0.4  # first-order scores worse by this, or by this part of the best ratio, are left out
+_FIRST = 2  # channels of which several courses are refined
 _LOT = 200  # courses in one call
-_SHAPES = 3  # courses of each channel that are refined, beside the step
+_SHAPES = 3  # courses of these
 _ROUGH = 3  # iterations of all candidates,
 _ITERATIONS = 12  # and of those whose score is not worse by more than
 _FAR = 25.0
@@ -64,10 +66,10 @@ class Stretch:
         """Return the number of readings."""
         return int(np.isfinite(self.data.y).sum())
 
-    def run(self, events: Sequence[FaultEvent]) -> FilterResult:
-        """Filter the rows with known faults."""
+    def run(self, events: Sequence[FaultEvent], channels: Sequence[int] | None = None) -> FilterResult:
+        """Filter the rows with known faults; ``channels``: those whose responses are needed, None: all."""
         faults = Faults(*courses(events, self.filter.p, self.data.t, self.data.width))
-        return self.filter.filter(self.data, self.noise, self.z, self.P, faults)
+        return self.filter.filter(self.data, self.noise, self.z, self.P, faults, channels=channels)
 
 
 @dataclass(frozen=True)
@@ -145,7 +147,8 @@ def _moved(stretch: Stretch, events: Sequence[FaultEvent], free: Sequence[int], 
 def refine(stretch: Stretch, events: Sequence[FaultEvent], free: Sequence[int], most: int = _ITERATIONS) -> Explanation:
     """Return the events with the most likely numbers of those that are free (Levenberg–Marquardt)."""
     events = list(events)
-    result = stretch.run(events)
+    channels = sorted({events[i].channel for i in free})
+    result = stretch.run(events, channels)
     damping = 1e-3
     covariance = np.zeros((0, 0))
     for _ in range(most):
@@ -155,12 +158,12 @@ def refine(stretch: Stretch, events: Sequence[FaultEvent], free: Sequence[int], 
         information, gradient = omega @ omega.T, omega @ np.nan_to_num(result.path.nu).ravel()
         diagonal = np.diag(information) + 1e-12
         root = np.sqrt(np.outer(diagonal, diagonal))
-        covariance = np.linalg.pinv(information / root, rcond=1e-10, hermitian=True) / root
+        covariance = _pseudo_inverse(information / root) / root
         better, trial = None, events
         for _ in range(6):
-            step = np.linalg.solve(information + np.diag(damping * diagonal + 1e-12), gradient)
+            step = solved(information + np.diag(damping * diagonal + 1e-12), gradient)
             trial = _moved(stretch, events, free, step)
-            tried = stretch.run(trial)
+            tried = stretch.run(trial, channels)
             if np.isfinite(tried.loss) and tried.loss < result.loss:
                 better = tried
                 break
@@ -176,6 +179,13 @@ def refine(stretch: Stretch, events: Sequence[FaultEvent], free: Sequence[int], 
     return Explanation(
         tuple(events), score(stretch, events, free, result.loss), result.loss, covariance, len(free), result
     )
+
+
+def _pseudo_inverse(matrix: np.ndarray) -> np.ndarray:
+    """Return the pseudo-inverse of a symmetric matrix, 0 where numbers are not finite."""
+    if not np.isfinite(matrix).all():
+        return np.zeros_like(matrix)
+    return np.linalg.pinv(matrix, rcond=1e-10, hermitian=True)
 
 
 def score(stretch: Stretch, events: Sequence[FaultEvent], free: Sequence[int], loss: float) -> float:
@@ -271,30 +281,54 @@ def explanations(
     ranked = [pair for pair in ranked if within_bounds(stretch, events, pair[1])] or ranked
     if not ranked:
         return []
-    order = list(dict.fromkeys(e.channel for _, e in ranked))
-    kept = [c for c in order if c < stretch.own][:channels] + [c for c in order if c >= stretch.own][:_ADDITIVE]
-    best = ranked[0][0]
-    chosen: dict[int, list[FaultEvent]] = {}
-    for ratio, event in ranked:
-        of_channel = chosen.setdefault(event.channel, [])
-        if event.channel in kept and ratio >= _SHARE * best and (len(of_channel) < _SHAPES or event.shape == STEP):
-            of_channel.append(event)
-    rough = [refine(stretch, [*events, e], [len(events)], _ROUGH) for part in chosen.values() for e in part]
+    rough = [refine(stretch, [*events, e], [len(events)], _ROUGH) for e in _chosen(stretch, ranked, channels)]
     limit = min((story.score for story in rough), default=np.inf) + _FAR
     stories = [refine(stretch, s.events, [len(events)]) if s.score < limit else s for s in rough]
-    stories += _endings(stretch, events, rows)
+    stories += _endings(stretch, events, rows, base)
     return sorted(stories, key=lambda story: story.score)
 
 
-def _endings(stretch: Stretch, events: Sequence[FaultEvent], rows: np.ndarray) -> list[Explanation]:
-    """Return stories in which a fault that is present ends."""
-    present = np.flatnonzero(courses(events, stretch.filter.p, stretch.data.t[-1:], stretch.data.width[-1:])[1][0])
+def _chosen(stretch: Stretch, ranked: Sequence[tuple[float, FaultEvent]], channels: int) -> list[FaultEvent]:
+    """Return the candidates that are refined: the best course of the best channels, and more courses of the first ones.
+
+    To first order a course of k numbers scores k log n − ratio. Large faults of a plant that is not linear may be wrong
+    by a part of the ratio.
+    """
+    numbers = np.log(max(stretch.readings, 2))
+    scored = sorted(
+        (len(e.parameters()) * numbers - ratio + _LACKING * (e.channel >= stretch.own), place)
+        for place, (ratio, e) in enumerate(ranked)
+    )
+    margin = max(_MARGIN, _UNCERTAIN * ranked[0][0])
+    chosen: dict[int, list[FaultEvent]] = {}
+    for value, place in scored:
+        event = ranked[place][1]
+        own = event.channel < stretch.own
+        group = [c for c in chosen if (c < stretch.own) == own]
+        if event.channel not in chosen and len(group) >= (channels if own else _ADDITIVE):
+            continue
+        courses_ = chosen.setdefault(event.channel, [])
+        most = _SHAPES if list(chosen).index(event.channel) < _FIRST else 1
+        if value < scored[0][0] + margin and len(courses_) < most:
+            courses_.append(event)
+    return [event for part in chosen.values() for event in part]
+
+
+def _endings(stretch: Stretch, events: Sequence[FaultEvent], rows: np.ndarray, base: FilterResult) -> list[Explanation]:
+    """Return stories in which a fault that is present ends; the best row for it is found to first order."""
+    t, width, nu = stretch.data.t, stretch.data.width, np.nan_to_num(base.path.nu)
+    present = np.flatnonzero(courses(events, stretch.filter.p, t[-1:], width[-1:])[1][0])
+    interval, row = courses(events, stretch.filter.p, t, width)
     stories = []
-    for c in present:
-        trials = [[*events, FaultEvent(int(c), END, float(stretch.data.t[k]))] for k in rows]
-        losses = [stretch.run(trial).loss for trial in trials]
-        if losses:
-            stories.append(refine(stretch, trials[int(np.argmin(losses))], [len(events)]))
+    for c in present if len(rows) else ():
+        trials = [FaultEvent(int(c), END, float(t[k])) for k in rows]
+        ended = [courses([*events, trial], stretch.filter.p, t, width) for trial in trials]
+        changes = [np.array([e[part][:, c] for e in ended]) - now[:, c] for part, now in enumerate((interval, row))]
+        channel = np.full(len(trials), c)
+        scaled = [change / stretch.typical[c] for change in changes]
+        omega = stretch.filter.responses(stretch.data, stretch.noise, base.path, channel, *scaled)
+        losses = np.sum((nu - omega) ** 2, axis=(1, 2))
+        stories.append(refine(stretch, [*events, trials[int(np.argmin(losses))]], [len(events)], _ROUGH))
     return stories
 
 

@@ -156,7 +156,7 @@ def _minimum(
     v = np.clip(v, [b[0] for b in bounds], [b[1] for b in bounds])
     path = filter_.new_path(len(data.t), coloured)
     for round_ in range(rounds):
-        run(filter_, data, scaling.noise(v), start, coloured, path=path)
+        run(filter_, data, scaling.noise(v), start, coloured, path=path, channels=())
 
         def objective(w: np.ndarray) -> float:
             loss = run(filter_, data, scaling.noise(w), start, coloured, path=path, frozen=True).loss

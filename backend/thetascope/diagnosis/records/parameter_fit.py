@@ -14,6 +14,7 @@ from thetascope.diagnosis.records import noise_fit
 from thetascope.diagnosis.records.model import RecordModel
 from thetascope.diagnosis.records.noise_fit import NoiseFit, Start
 from thetascope.engine.filtering.bundles import Noise, Rows
+from thetascope.engine.filtering.linear import solved
 from thetascope.engine.filtering.record_filter import RecordFilter
 
 _ROUNDS = 3  # of parameters and noise
@@ -96,7 +97,7 @@ class _Problem:
     def loss(self, fit: Noise, coloured: bool, values: np.ndarray, x: np.ndarray) -> float:
         """Return −2 log L with the weak pull of the initial state."""
         start = Start(x, self.start.P)
-        loss = noise_fit.run(self.filter(values), self.data, fit, start, coloured).loss
+        loss = noise_fit.run(self.filter(values), self.data, fit, start, coloured, channels=()).loss
         return loss + float(np.sum(((x - self.start.x) / self.scales) ** 2)) if np.isfinite(loss) else np.inf
 
     def point(self, noise: Noise, coloured: bool, values: np.ndarray, x: np.ndarray) -> _Point:
@@ -123,7 +124,7 @@ class _Problem:
             diagonal = np.diag(point.information)
             better = None
             for _ in range(6):
-                step = np.linalg.solve(point.information + np.diag(damping * diagonal + 1e-9), point.gradient)
+                step = solved(point.information + np.diag(damping * diagonal + 1e-9), point.gradient)
                 moved = np.clip(point.values + step[:d] * self.units, self.low, self.high)
                 state = point.x + np.clip(step[d:], -3, 3) * self.scales
                 if self.loss(noise, coloured, moved, state) < point.loss - 1e-3:
@@ -165,7 +166,7 @@ def suspected_parameters(
     point = problem.point(fitted.noise, fitted.coloured, problem.first, start.x)
     d = len(names)
     J, s = point.information, point.gradient
-    to_state = np.linalg.solve(J[d:, d:], np.column_stack([J[d:, :d], s[d:]]))
+    to_state = solved(J[d:, d:], np.column_stack([J[d:, :d], s[d:]]))
     own = np.diag(J)[:d] - np.einsum("ij,ji->i", J[:d, d:], to_state[:, :d])
     pull = s[:d] - J[:d, d:] @ to_state[:, d]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -287,7 +288,8 @@ def _deviations(point: _Point, problem: _Problem) -> np.ndarray:
     """Return the standard deviations of the parameters."""
     diagonal = np.diag(point.information) + 1e-12
     root = np.sqrt(np.outer(diagonal, diagonal))
-    covariance = np.linalg.inv(point.information / root + 1e-10 * np.eye(len(diagonal))) / root
+    scaled = point.information / root + 1e-10 * np.eye(len(diagonal))
+    covariance = solved(scaled, np.eye(len(diagonal))) / root
     return np.sqrt(np.maximum(np.diag(covariance)[: len(problem.units)], 0.0)) * problem.units
 
 

@@ -152,7 +152,9 @@ def simulated_fit(model: RecordModel, data: Rows, start: Start) -> float:
 
 def _steps(model: RecordModel, data: Rows, factor: float) -> np.ndarray:
     """Return integration steps for intervals that are longer by a factor."""
-    return data.steps if model.filter.plant.time == "discrete" else np.clip(np.ceil(data.steps * factor), 1, 256)
+    if model.filter.plant.time == "discrete":
+        return data.steps
+    return np.sign(data.steps) * np.clip(np.ceil(np.abs(data.steps) * factor), 1, 256)
 
 
 def _first(model: RecordModel, data: Rows) -> Start:

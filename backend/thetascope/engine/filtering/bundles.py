@@ -16,11 +16,15 @@ Array = np.ndarray
 
 @dataclass
 class Equations(Bundle):
-    """Parameters of the plant, and the bounds of the states within which its equations hold."""
+    """Parameters of the plant, and the bounds of the states within which its equations hold.
+
+    ``chosen``: the directions whose derivatives G are computed, as many as a call says; others are 0.
+    """
 
     par: Annotated[Array, "npar"]
     low: Annotated[Array, "n"]
     high: Annotated[Array, "n"]
+    chosen: Annotated[Array, "d"]
 
 
 @dataclass
@@ -39,6 +43,8 @@ class Noise(Bundle):
 @dataclass
 class Rows(Bundle):
     """Recorded rows: times, width and number of integration steps of the interval after each row, inputs, readings.
+
+    Negative numbers of steps are those of the method for stiff plants.
 
     ``extra_at``: which matrix of ``extra`` is added to the covariance over the interval, −1 for none.
     """

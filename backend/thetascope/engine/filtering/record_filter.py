@@ -1,5 +1,6 @@
 """RecordFilter: the loops of this folder for one plant, with NumPy arrays."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -47,7 +48,16 @@ def _kernels(plant: Program, directions: tuple[str, ...], coloured: bool) -> dic
     }
     filtering = [filter_loop.filter_rows, filter_loop.flow_rows, filter_loop.simulate_rows]
     scanning = [onset_bank.scan, onset_bank.respond_to_courses]
-    inner = [flow.stage, flow.runge_kutta, flow.flow, flow.read, filter_loop.correct, filter_loop.spread_ahead]
+    inner = [
+        flow.stage,
+        flow.runge_kutta,
+        flow.invert,
+        flow.rosenbrock,
+        flow.flow,
+        flow.read,
+        filter_loop.correct,
+        filter_loop.spread_ahead,
+    ]
     inner += [onset_bank.respond, onset_bank.carry, onset_bank.open_onset, onset_bank.watched, onset_bank.compare]
     key = repr((plant.digest, directions))
     return compile_loops([*filtering, *scanning], inner, sizes, functions.externals(), functions.text, key)
@@ -78,12 +88,21 @@ class RecordFilter:
         self.faults = functions.faults
         self.n, self.m, self.p, self.d = len(plant.states), len(plant.outputs), len(functions.faults), len(directions)
         self._none: dict[int, Faults] = {}
-        self.equations = Equations(*(np.array(a, dtype=float) for a in (par, low, high)))
+        self.equations = Equations(*(np.array(a, dtype=float) for a in (par, low, high, np.arange(self.d))))
+        self._chosen: dict[tuple[int, ...], Equations] = {}
 
     def with_parameters(self, par: np.ndarray) -> "RecordFilter":
         """Return the filter of the plant with other parameters."""
         low, high = self.equations.low, self.equations.high
         return RecordFilter(self.plant, self.directions, self.scale, par, low, high)
+
+    def _equations(self, channels: tuple[int, ...]) -> Equations:
+        """Return the equations with some directions chosen."""
+        if channels not in self._chosen:
+            chosen = np.zeros(self.d)
+            chosen[: len(channels)] = channels
+            self._chosen[channels] = replace(self.equations, chosen=chosen)
+        return self._chosen[channels]
 
     def no_faults(self, rows: int) -> Faults:
         """Return θ = 0 along rows, the same arrays for every call."""
@@ -107,6 +126,7 @@ class RecordFilter:
         faults: Faults | None = None,
         path: Path | None = None,
         frozen: bool = False,
+        channels: Sequence[int] | None = None,
     ) -> FilterResult:
         """Filter rows.
 
@@ -115,6 +135,7 @@ class RecordFilter:
             z, P: the prediction for the first row.
             faults: known faults; None: none.
             path: the path that is overwritten; its linearisation is used if `frozen`.
+            channels: the directions for which G is needed; None: all. The others count as 0 in ``path.G``.
         """
         rows, coloured = len(data.t), len(z) > self.n
         path = path or self.new_path(rows, coloured)
@@ -123,7 +144,8 @@ class RecordFilter:
             rows=rows,
             extras=len(data.extra),
             linearise=int(not frozen),
-            plant=self.equations,
+            used=self.d if channels is None else len(channels),
+            plant=self.equations if channels is None else self._equations(tuple(channels)),
             noise=noise,
             data=data,
             faults=faults or self.no_faults(rows),
