@@ -5,17 +5,18 @@ from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
 
-__all__ = ["Client", "__version__", "run"]
+__all__ = ["Client", "__version__", "diagnose", "run"]
 
 if TYPE_CHECKING:
     from thetascope.client import Client as Client
+    from thetascope.in_process import diagnose as diagnose
     from thetascope.in_process import run as run
 
-_MODULES = {"Client": "thetascope.client", "run": "thetascope.in_process"}
+_MODULES = {"Client": "thetascope.client", "diagnose": "thetascope.in_process", "run": "thetascope.in_process"}
 
 
 def __getattr__(name: str) -> object:
-    """Import `Client` or `run` when it is first used: `thetascope --help` should not wait for NumPy."""
+    """Import a name when it is first used: `thetascope --help` should not wait for NumPy."""
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(_MODULES[name]), name)

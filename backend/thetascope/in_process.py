@@ -1,14 +1,20 @@
-"""Runs in the process of the caller, without a service: `from thetascope import run`."""
+"""Runs and diagnoses in the process of the caller, without a service: `from thetascope import diagnose, run`."""
 
 from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
 
 from thetascope.assembly import prepare
+from thetascope.assembly.analyses.record_diagnosis import diagnose_columns
 from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import Result
-from thetascope.runs.specs.refusals import from_engine
-from thetascope.runs.specs.resolve_spec import library_experiment, resolved, with_changes
+from thetascope.runs.specs.refusals import from_engine, validated
+from thetascope.runs.specs.resolve_spec import library_experiment, plant_of, resolved, with_changes
 from thetascope.runs.specs.run_requests import parse_request
-from thetascope_schemas import Experiment
+from thetascope_schemas import Experiment, Plant
+from thetascope_schemas.service.record_diagnosis import RecordDiagnosis, RecordSettings
+from thetascope_schemas.service.record_inspection import ColumnMapping
 
 
 def run(experiment: str | Mapping[str, object] | Experiment, changes: Mapping[str, object] | None = None) -> Result:
@@ -36,3 +42,34 @@ def run(experiment: str | Mapping[str, object] | Experiment, changes: Mapping[st
         return prepare(resolved(with_changes(spec, changes or {}))).run()
     except SpecError as error:
         raise from_engine(error, in_plant=True) from None
+
+
+def diagnose(
+    plant: str | Mapping[str, object] | Plant,
+    frame: Any,
+    healthy: tuple[float, float] | None = None,
+    mapping: Mapping[str, object] | None = None,
+    **settings: object,
+) -> RecordDiagnosis:
+    """Diagnose recorded data and return whether the model fits, and the faults, as POST /api/diagnosis does.
+
+    Args:
+        plant: id of a library plant, a plant as data, or a `Plant`.
+        frame: the columns: a mapping of names to arrays, or a frame of pandas or polars.
+        healthy: begin and end in s after the first row of a stretch that is known to be healthy; None: it is found.
+        mapping: changes of the guessed mapping, in the form of `ColumnMapping`.
+        settings: further fields of `RecordSettings`, for example ``false_alarms=0.1`` or ``fit="never"``.
+
+    Raises:
+        InvalidSpec: the plant, the columns or the settings are refused.
+    """
+    chosen = plant_of(plant) if isinstance(plant, str | Plant) else validated(Plant, dict(plant))
+    stretch = None if healthy is None else {"begin": healthy[0], "end": healthy[1]}
+    asked = validated(RecordSettings, {"healthy": stretch, **settings})
+    changes = validated(ColumnMapping, dict(mapping or {}))
+    names = list(frame.keys() if isinstance(frame, Mapping) else frame.columns)
+    columns = {str(name): np.asarray(frame[name]) for name in names}
+    try:
+        return diagnose_columns(chosen, columns, asked, changes)
+    except SpecError as error:
+        raise from_engine(error) from None

@@ -23,6 +23,7 @@ from thetascope_schemas.service.record_diagnosis import (
     RecordDiagnosis,
     RecordFault,
     RecordSettings,
+    VisibleFault,
 )
 
 _HEAD = ("alarm-at", "fault", "shape", "since", "blank", "size", "blank", "rate", "alternatives")
@@ -112,9 +113,15 @@ def text(diagnosis: RecordDiagnosis, say: Words) -> str:
     if diagnosis.threshold is not None:
         parts += ["", say("cli.diagnose.threshold", rate=diagnosis.false_alarms, threshold=diagnosis.threshold)]
         seen = [v for v in diagnosis.visible if v.smallest is not None]
-        parts += [say("cli.diagnose.smallest", channel=v.channel, smallest=v.smallest, unit=v.unit) for v in seen]
+        parts += [_smallest(v, say) for v in seen]
     parts += [say.text(note) for note in diagnosis.notes]
     return "\n".join(parts)
+
+
+def _smallest(visible: VisibleFault, say: Words) -> str:
+    """Return the smallest fault of a channel that would have been found."""
+    text = say("cli.diagnose.smallest", channel=visible.channel, smallest=visible.smallest, unit=visible.unit)
+    return text.replace("  ", " ")  # a channel without a unit
 
 
 def _fit(fit: FitReport, say: Words) -> list[str]:
@@ -131,7 +138,7 @@ def _parameters(fit: FitReport, say: Words) -> list[str]:
             f"{p.name} [{p.unit}]" if p.unit else p.name,
             number(p.before, 6),
             say("cli.fit.held") if p.held else number(p.value, 6),
-            number(p.std, 2),
+            "–" if p.held else number(p.std, 2),
         ]
         for p in fit.parameters
     ]
