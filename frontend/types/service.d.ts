@@ -1237,8 +1237,11 @@ export interface InputProposal {
 
 /** A number with its 95 % interval. */
 export interface Interval {
+  /** The estimate. */
   value: number;
+  /** Lower end of its interval. */
   low: number;
+  /** Upper end of its interval. */
   high: number;
 }
 

@@ -142,9 +142,9 @@ class Interval(Strict):
 
     model_config = example(**_INTERVAL)
 
-    value: Number
-    low: Number
-    high: Number
+    value: Number = Field(description="The estimate.")
+    low: Number = Field(description="Lower end of its interval.")
+    high: Number = Field(description="Upper end of its interval.")
 
 
 class OutputFitReport(Strict):
