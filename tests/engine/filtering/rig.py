@@ -53,7 +53,7 @@ def rows(count: int, seed: int = 0, steps: float = 4.0) -> Rows:
     u = 0.6 + 0.1 * rng.standard_normal((count, 1))
     at = np.full(count, -1.0)
     at[count // 2] = 0.0
-    return Rows(t, width, np.full(count, steps), u, y, at, np.array([[[0.01, 0.002], [0.002, 0.02]]]))
+    return Rows(t, width, np.full(count, steps), u, u, y, at, np.array([[[0.01, 0.002], [0.002, 0.02]]]))
 
 
 def noise(coloured: bool) -> Noise:

@@ -228,15 +228,9 @@ def test_the_stiff_method_has_order_two_and_its_tangents() -> None:
     exact, errors = flow(x[0], 0.55, np.zeros(2), width), []
     slope = slopes(lambda z: flow(z, 0.55, np.zeros(2), width), x[0])
     for steps in (-4.0, -8.0, -16.0):
-        one = Rows(
-            np.zeros(1),
-            np.array([width]),
-            np.array([steps]),
-            u,
-            np.full((1, 2), np.nan),
-            -np.ones(1),
-            np.zeros((0, 2, 2)),
-        )
+        missing = np.full((1, 2), np.nan)
+        widths, none = (np.array([a]) for a in (width, -1.0))
+        one = Rows(np.zeros(1), widths, np.array([steps]), u, u, missing, none, np.zeros((0, 2, 2)))
         result = filter_.filter(one, noise(False), x[0], SPREAD)
         errors.append([np.abs(result.z - exact).max(), np.abs(result.path.F[0] - slope).max()])
     ratios = np.array(errors[:-1]) / np.array(errors[1:])

@@ -260,7 +260,7 @@ def _candidate(plant: Plant, answer: RecordAnswer, candidate: Candidate, ended: 
         "bound": candidate.bound,
         "behind": candidate.behind,
         "separable": candidate.behind == 0 or candidate.behind > EQUAL,
-        "text": words.candidate_sentence(candidate, title, unit, ended),
+        "text": words.candidate_sentence(candidate, title, unit, ended, float(answer.rows.t[-1])),
     }
 
 

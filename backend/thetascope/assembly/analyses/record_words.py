@@ -99,6 +99,9 @@ def verdict_sentence(answer: RecordAnswer, reasons: list[Message]) -> Message:
     return Message("record.verdict.fits", **span)
 
 
+_MOVING = 0.01  # of a fault: what its rate adds since its onset, if it is to be mentioned
+
+
 def amount(estimate: Estimate, unit: str) -> Message:
     """Return a size with its half interval and unit."""
     half = (estimate.high - estimate.low) / 2
@@ -114,14 +117,15 @@ def since(onset: Estimate) -> Message:
     return Message("diagnosis.since.time", onset=onset.value)
 
 
-def candidate_sentence(candidate: Candidate, title: str | Message, unit: str, ended: float | None) -> Message:
-    """Return a fault in a sentence."""
+def candidate_sentence(candidate: Candidate, title: str | Message, unit: str, ended: float | None, t: float) -> Message:
+    """Return a fault in a sentence, as it is at time t, the end of the record."""
     when = since(candidate.onset)
     if ended is not None:
         when = Message("diagnosis.since.over", since=when, end=ended)
     if candidate.bound is not None:
         return Message("record.fault.bound", title=title, bound=candidate.bound, unit=unit, when=when)
     size = amount(candidate.size, unit)
-    if candidate.event.shape in ("ramp", "drift", "rise") and ended is None:
+    moving = abs(candidate.rate) * max(t - candidate.onset.value, 0.0) > _MOVING * abs(candidate.size.value)
+    if moving and ended is None:
         return Message("record.fault.moving", title=title, size=size, rate=candidate.rate, unit=unit, when=when)
     return Message("record.fault.step", title=title, size=size, when=when)

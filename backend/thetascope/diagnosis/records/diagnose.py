@@ -12,9 +12,11 @@ from thetascope.diagnosis.records.findings import RecordFault, final_faults
 from thetascope.diagnosis.records.fit_check import Finding, FitCheck
 from thetascope.diagnosis.records.follow import BLOCK, Decision, Follower
 from thetascope.diagnosis.records.model import (
+    HELD,
     RecordModel,
     enough_steps,
     first_noise,
+    input_course,
     model_of,
     rows_of,
     start_of,
@@ -127,24 +129,28 @@ class _Prepared:
     check: FitCheck
 
 
-def prepare(plant: Mapping, recording: Recording) -> tuple[RecordModel, Rows, Start]:
-    """Return the model, its rows and the prediction for the first of them. Raises NotIntegrable."""
-    model = model_of(plant, recording)
-    steps = enough_steps(model, recording)
-    if steps is None:
-        raise NotIntegrable
-    data = rows_of(recording, plant, steps)
+def _prepared(model: RecordModel, recording: Recording, steps: float, course: str) -> tuple[Rows, Start]:
+    """Return the rows and the prediction for the first of them, for some course of the inputs between rows."""
+    data = rows_of(recording, model.data, steps, course)
     noise = first_noise(model, data)
     data = with_gaps(model, data, recording, noise)
-    return model, data, start_of(model, data, noise)
+    return data, start_of(model, data, noise)
 
 
 def diagnose(
     plant: Mapping, recording: Recording, settings: RecordSettings, progress: Callable[[int], None] = lambda row: None
 ) -> RecordAnswer:
     """Return the diagnosis of a record of a plant (JSON values). Raises NotIntegrable, ExpressionError, SpecError."""
-    model, data, start = prepare(plant, recording)
+    model = model_of(plant, recording)
+    steps = enough_steps(model, recording)
+    if steps is None:
+        raise NotIntegrable
+    data, start = _prepared(model, recording, steps, HELD)
     begin, end = _stretch(model, data, start, recording, settings)
+    course = input_course(model, recording.part(begin, end), steps)
+    if course != HELD:
+        data, start = _prepared(model, recording, steps, course)
+        begin, end = _stretch(model, data, start, recording, settings)
     offset = float(data.t[begin])
     if begin:
         recording, data = recording.part(begin, len(recording)), part_of(data, begin, len(data.t))

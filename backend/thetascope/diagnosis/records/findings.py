@@ -171,7 +171,7 @@ def _significant(follower: Follower, story: Sequence[FaultEvent]) -> list[FaultE
 
 
 def _simplified(follower: Follower, story: Sequence[FaultEvent]) -> list[FaultEvent]:
-    """Return the story with steps and ramps in place of courses with more numbers where they explain as well."""
+    """Return the story with steps and ramps in place of courses with more numbers where these explain no better."""
     kept = list(story)
     for place, event in enumerate(kept):
         if event.shape not in (DRIFT, RISE, PLATEAU):

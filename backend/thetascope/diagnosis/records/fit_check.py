@@ -178,7 +178,7 @@ def check(
     if suspects:
         findings.append(Finding("unit", suspects[0].name, suspects[0].gain))
     if findings:
-        findings = [*_still(model, data), *findings]
+        findings = [*_still(model, whole), *findings]
     return FitCheck(fits, tuple(findings), tuple(suspects))
 
 

@@ -6,12 +6,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from thetascope.diagnosis.recording import Recording
+from thetascope.diagnosis.records import noise_fit
 from thetascope.diagnosis.records.noise_fit import Start, scatter
 from thetascope.engine.compiler.system import DISCRETE, Program
 from thetascope.engine.filtering.bundles import Noise, Rows
 from thetascope.engine.filtering.linear import solved
 from thetascope.engine.filtering.record_filter import RecordFilter, part_of
 from thetascope.engine.programs.program_store import plant_program
+
+HELD, HELD_BEFORE, LINEAR = "held", "held-before", "linear"
+"""Inputs between rows: those of the row before, of the row after (recorded before they changed), or interpolated."""
 
 _EDGE = 1e-3  # of a state's scale: distance from the edge of its domain at which derivatives are taken
 _READ = 10  # readings, at least, of an output that shows a state
@@ -23,6 +27,8 @@ _ACCURATE = 0.01  # of the noise of an innovation: the most that halving the ste
 _SMALL = 2e-4  # and of the scale of a state,
 _NEARLY_ALL = 0.98  # in this share of the rows: the first estimates may be far from the trajectory
 _ROUNDS = 3
+_COURSE_ROWS = 1000  # on which courses of the inputs are compared
+_BETTER = 10.0  # fall of −2 log L by which another course of the inputs must fit better
 _BLOCK = 8192  # rows that are filtered in one call
 _START_ROWS = 400  # rows that determine the initial state
 
@@ -159,10 +165,10 @@ def _scales(
     return scales
 
 
-def rows_of(recording: Recording, plant: Mapping, steps: float = 1.0) -> Rows:
+def rows_of(recording: Recording, plant: Mapping, steps: float = 1.0, inputs: str = HELD) -> Rows:
     """Return the rows for the filter, from t = 0 on, with `steps` integration steps for the usual interval.
 
-    Negative numbers: of the method for stiff plants.
+    Negative numbers: of the method for stiff plants. ``inputs``: what they are between rows, see `input_course`.
     """
     t = recording.t - recording.t[0]
     width = np.diff(t, append=t[-1] + (np.median(np.diff(t)) if len(t) > 1 else 1.0))
@@ -172,7 +178,10 @@ def rows_of(recording: Recording, plant: Mapping, steps: float = 1.0) -> Rows:
         count = np.sign(steps) * np.maximum(1.0, np.ceil(abs(steps) * width / np.median(width) - 1e-9))
     n = len(plant["states"])
     t, width, count, u, y = (np.array(a, dtype=float, order="C") for a in (t, width, count, recording.u, recording.y))
-    return Rows(t, width, count, u, y, np.full(len(t), -1.0), np.zeros((0, n, n)))
+    between = u.copy()
+    if inputs != HELD:
+        between[:-1] = u[1:] if inputs == HELD_BEFORE else 0.5 * (u[:-1] + u[1:])
+    return Rows(t, width, count, u, between, y, np.full(len(t), -1.0), np.zeros((0, n, n)))
 
 
 def first_noise(model: RecordModel, data: Rows) -> Noise:
@@ -205,6 +214,25 @@ def enough_steps(model: RecordModel, recording: Recording) -> float | None:
         if accurate.mean() >= _NEARLY_ALL:
             return steps
     return None
+
+
+def input_course(model: RecordModel, recording: Recording, steps: float) -> str:
+    """Return what the inputs are between healthy rows: held, unless they fit clearly better with another course.
+
+    A controller may act in continuous time, and a logger may write an input just before it changes.
+    """
+    if model.program.time == DISCRETE or not recording.u.size:
+        return HELD
+    part, losses = recording.part(0, min(len(recording), _COURSE_ROWS)), {}
+    for course in (HELD, HELD_BEFORE, LINEAR):
+        data = rows_of(part, model.data, steps, course)
+        noise = first_noise(model, data)
+        data = with_gaps(model, data, part, noise)
+        start = start_of(model, data, noise)
+        white = noise_fit.fit(model.filter, data, start, model.scales, model.measured, recording.resolution, white=True)
+        losses[course] = white.loss
+    best = min(losses, key=losses.__getitem__)
+    return best if losses[best] < losses[HELD] - _BETTER else HELD
 
 
 def with_gaps(model: RecordModel, data: Rows, recording: Recording, noise: Noise) -> Rows:

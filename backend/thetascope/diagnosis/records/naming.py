@@ -145,8 +145,13 @@ def _moved(stretch: Stretch, events: Sequence[FaultEvent], free: Sequence[int], 
 
 
 def refine(stretch: Stretch, events: Sequence[FaultEvent], free: Sequence[int], most: int = _ITERATIONS) -> Explanation:
-    """Return the events with the most likely numbers of those that are free (Levenberg–Marquardt)."""
+    """Return the events with the most likely numbers of those that are free (Levenberg–Marquardt).
+
+    −2 log L is not smooth in the onset of a fault that shows in whole rows: where a step fails, it is tried again with
+    the onsets held.
+    """
     events = list(events)
+    onset = np.array([name == "onset" for i in free for name in events[i].parameters()])
     channels = sorted({events[i].channel for i in free})
     result = stretch.run(events, channels)
     damping = 1e-3
@@ -160,14 +165,17 @@ def refine(stretch: Stretch, events: Sequence[FaultEvent], free: Sequence[int], 
         root = np.sqrt(np.outer(diagonal, diagonal))
         covariance = _pseudo_inverse(information / root) / root
         better, trial = None, events
-        for _ in range(6):
-            step = solved(information + np.diag(damping * diagonal + 1e-12), gradient)
+        for attempt in range(8):
+            matrix = information + np.diag(damping * diagonal + 1e-12)
+            held = onset if attempt % 2 else np.zeros_like(onset)
+            step = np.zeros(len(gradient))
+            step[~held] = solved(matrix[np.ix_(~held, ~held)], gradient[~held])
             trial = _moved(stretch, events, free, step)
             tried = stretch.run(trial, channels)
             if np.isfinite(tried.loss) and tried.loss < result.loss:
                 better = tried
                 break
-            damping = max(8 * damping, 1e-2)
+            damping = max(8 * damping, 1e-2) if attempt % 2 else damping
         if better is None:
             break
         fall, events, result = result.loss - better.loss, trial, better

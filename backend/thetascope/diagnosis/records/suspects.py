@@ -107,10 +107,11 @@ def _inputs(model: RecordModel, data: Rows) -> list[tuple[str, str, float, Rows,
     trials = []
     for columns in groups:
         for factor in _FACTORS:
-            u = data.u.copy()
+            u, between = data.u.copy(), data.between.copy()
             u[:, columns] *= factor
+            between[:, columns] *= factor
             name = names[columns[0]] if len(columns) == 1 else "*"
-            trials.append(("input", name, factor, replace(data, u=u), 0.0))
+            trials.append(("input", name, factor, replace(data, u=u, between=between), 0.0))
     return trials
 
 
@@ -122,10 +123,12 @@ def _swaps(model: RecordModel, data: Rows) -> list[tuple[str, str, float, Rows, 
         for i in range(len(items)):
             for j in range(i):
                 if items[i].get("unit", "") == items[j].get("unit", ""):
-                    columns = getattr(data, field_name).copy()
-                    columns[:, [i, j]] = columns[:, [j, i]]
+                    swapped = {}
+                    for name in ("u", "between") if field_name == "u" else ("y",):
+                        swapped[name] = getattr(data, name).copy()
+                        swapped[name][:, [i, j]] = swapped[name][:, [j, i]]
                     pair = f"{items[j]['name']}, {items[i]['name']}"
-                    trials.append((f"swap-{part}", pair, 1.0, replace(data, **{field_name: columns}), 0.0))
+                    trials.append((f"swap-{part}", pair, 1.0, replace(data, **swapped), 0.0))
     return trials
 
 

@@ -44,7 +44,8 @@ class Noise(Bundle):
 class Rows(Bundle):
     """Recorded rows: times, width and number of integration steps of the interval after each row, inputs, readings.
 
-    Negative numbers of steps are those of the method for stiff plants.
+    ``between``: the inputs over the interval after a row, those of the row if they are held. Negative numbers of steps
+    are those of the method for stiff plants.
 
     ``extra_at``: which matrix of ``extra`` is added to the covariance over the interval, −1 for none.
     """
@@ -53,6 +54,7 @@ class Rows(Bundle):
     width: Annotated[Array, "rows"]
     steps: Annotated[Array, "rows"]
     u: Annotated[Array, "rows nu"]
+    between: Annotated[Array, "rows nu"]
     y: Annotated[Array, "rows m"]
     extra_at: Annotated[Array, "rows"]
     extra: Annotated[Array, "extras n n"]

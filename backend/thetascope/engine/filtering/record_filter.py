@@ -273,5 +273,5 @@ class RecordFilter:
 def part_of(data: Rows, begin: int, end: int) -> Rows:
     """Return rows begin … end − 1."""
     rows = slice(begin, end)
-    cut = {name: getattr(data, name)[rows] for name in ("t", "width", "steps", "u", "y", "extra_at")}
+    cut = {name: getattr(data, name)[rows] for name in ("t", "width", "steps", "u", "between", "y", "extra_at")}
     return replace(data, **cut)
