@@ -24,7 +24,9 @@ def test_what_is_refused_is_named() -> None:
     """A plant, a column or a setting that cannot be raises InvalidSpec with the field."""
     recording = tank(rows=150)
     columns = {"t": recording.t, "q": recording.u[:, 0], "y": recording.y[:, 0]}
+    falling = TANK.model_dump(mode="json") | {"events": [{"when": "h < 0", "set": {"h": "0"}}]}
     for arguments, words in (
+        ((falling, columns), "a plant with events"),
         (({"id": "x"}, columns), "states"),
         ((TANK, {"t": np.arange(150.0), "q": columns["q"]}), "no column holds this output"),
     ):

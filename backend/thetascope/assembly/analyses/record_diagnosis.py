@@ -61,8 +61,8 @@ def diagnose_recording(
 ) -> RecordDiagnosis:
     """Return the diagnosis of a recording.
 
-    Raises SpecError for a recording that is too short, for a plant that cannot be integrated along it, and for names of
-    parameters that the plant does not have.
+    Raises SpecError for a recording that is too short, for a plant with events or one that cannot be integrated along
+    it, and for names of parameters that the plant does not have.
     """
     return RecordDiagnosis.model_validate(_report(plant, answer_of(plant, recording, settings, progress)))
 
@@ -83,6 +83,8 @@ def answer_of(
     """Return the answer of the engine's side; raises as `diagnose_recording`."""
     if len(recording) < FEWEST_ROWS:
         raise SpecError("t", len(recording), Message("record.too-short", rows=len(recording), least=FEWEST_ROWS))
+    if plant.events:
+        raise SpecError("plant.events", plant.events[0].when, Message("record.events"))
     names = plant.names("parameters")
     for i, name in enumerate(settings.parameters):
         if name not in names:
