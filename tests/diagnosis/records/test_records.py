@@ -164,6 +164,17 @@ def test_later_faults_are_added_and_ends_are_seen() -> None:
     assert second.best.size.value == pytest.approx(1.0, abs=0.05)
 
 
+def test_faults_far_apart_keep_their_own_numbers() -> None:
+    """In a long record a fault beyond the rows that are refined together has its own size, onset and interval."""
+    recording = tank({"leak": since(1000, 0.03), "offset": since(14_500, 1.0)}, rows=15_000)
+    diagnosis = diagnosed(TANK, recording, healthy=900, fit="never")
+    assert named(diagnosis) == ["leak", "offset"]
+    for fault, onset, size in zip(diagnosis.faults, (1000.0, 14_500.0), (0.03, 1.0), strict=True):
+        assert fault.best.onset.low - 1 <= onset <= fault.best.onset.high + 1
+        assert fault.best.size.value == pytest.approx(size, rel=0.05)
+        assert 0 < fault.best.size.high - fault.best.size.low < 0.2 * size
+
+
 def test_a_fault_that_the_plant_lacks_is_proposed() -> None:
     """A flow into tank 1, for which there is no channel, is reported as an additive fault of its equation."""
     plant, recording = three_tanks({"flow1": since(700, -8.0)}, rows=2200)

@@ -129,7 +129,7 @@ def _report(plant: Plant, answer: RecordAnswer) -> dict:
         ],
         "decisions": [_decision(plant, answer, d) for d in answer.decisions],
         "threshold": answer.threshold or None,
-        "false_alarms": answer.rate or 0.01,
+        "false_alarms": answer.rate,
         "rows": len(answer.rows.t),
         "duration": float(answer.rows.t[-1] - answer.rows.t[0]),
         "statistic": _curve(answer),

@@ -7,10 +7,9 @@ import numpy as np
 
 from thetascope.diagnosis.recording import Recording
 from thetascope.diagnosis.records import fit_check, healthy, noise_fit, thresholds
-from thetascope.diagnosis.records.events import courses
 from thetascope.diagnosis.records.findings import RecordFault, final_faults
 from thetascope.diagnosis.records.fit_check import Finding, FitCheck
-from thetascope.diagnosis.records.follow import BLOCK, Decision, Follower
+from thetascope.diagnosis.records.follow import Decision, Follower
 from thetascope.diagnosis.records.model import (
     HELD,
     RecordModel,
@@ -30,10 +29,11 @@ from thetascope.diagnosis.records.parameter_fit import (
     fit_suspects,
     suspected_parameters,
 )
-from thetascope.engine.filtering.bundles import Faults, Rows
+from thetascope.engine.filtering.bundles import Rows
 from thetascope.engine.filtering.record_filter import part_of
 
 SEEN = 1.5  # typical sizes: faults of this size must be visible in the healthy stretch
+_USUAL = 30.0  # threshold with which visible faults are judged before that of the record is known
 _TRIAL_ROWS = 4096
 _MANY, _MANY_GIVEN = 4, 8  # faults in one record
 _LOUD = 2.5  # variance of the innovations after the healthy stretch, with the faults in them,
@@ -68,7 +68,7 @@ class RecordAnswer:
         check: does the model fit? `before`: the same with the parameters as they were, if they were fitted.
         noise: with which the rest was judged.
         parameters: the fit of parameters, if there was one; `suspects`: what each alone would explain.
-        threshold: of the statistic; `rate`: false alarms per hour that it promises.
+        threshold: of the statistic, 0 if it was not needed; `rate`: accepted false alarms per hour.
         faults: findings, in the order of their onsets; `decisions`: how they came about.
         smallest: (channels,), the smallest step that would have been found in the healthy stretch; ∞ for none.
         statistic: (rows,), the largest one of each row, under the faults known by then; empty if it does not fit.
@@ -176,6 +176,7 @@ def diagnose(
         parameters=parameters,
         suspects=tuple(suspects),
         smallest=state.smallest,
+        rate=settings.false_alarms,
     )
     return _followed(state, settings, answer, progress) if state.check.fits else answer
 
@@ -229,7 +230,7 @@ def _smallest(model: RecordModel, part: Rows, fitted: NoiseFit) -> np.ndarray:
     omega = filter_.responses(part, fitted.noise, fitted.result.path, channels, ones, ones)
     energy = np.sum(omega**2, axis=(1, 2))
     with np.errstate(divide="ignore"):
-        return np.where(energy > 1e-12, np.sqrt(30.0 / np.maximum(energy, 1e-300)), np.inf) * filter_.scale
+        return np.where(energy > 1e-12, np.sqrt(_USUAL / np.maximum(energy, 1e-300)), np.inf) * filter_.scale
 
 
 def _followed(
@@ -248,7 +249,8 @@ def _followed(
     follower.run()
     faults = final_faults(follower)
     later = _later(follower, len(state.part.t), len(faults), settings.healthy is not None)
-    answer = replace(answer, noise=noise, threshold=threshold, rate=settings.false_alarms)
+    smallest = state.smallest * np.sqrt(threshold / _USUAL)
+    answer = replace(answer, noise=noise, threshold=threshold, smallest=smallest)
     if later is not None:
         return replace(answer, check=replace(state.check, findings=(*state.check.findings, later)))
     return replace(answer, faults=faults, decisions=tuple(follower.decisions), statistic=follower.statistic)
@@ -272,13 +274,5 @@ def _later(follower: Follower, rows: int, faults: int, given: bool) -> Finding |
 
 def _rest(follower: Follower, rows: int) -> list[tuple[float, float]]:
     """Return variance and autocorrelation of each output's innovations after the first rows, with the faults known."""
-    data, filter_ = follower.data, follower.filter
-    z, P, parts = follower.z, follower.P, []
-    for begin in range(0, len(data.t), BLOCK):
-        part = part_of(data, begin, min(begin + BLOCK, len(data.t)))
-        known = Faults(*courses(follower.story, filter_.p, part.t, part.width))
-        result = filter_.filter(part, follower.noise, z, P, known)
-        parts.append(result.path.nu)
-        z, P = result.z, result.P
-    nu = np.concatenate(parts)[rows:]
+    nu = follower.settle(follower.story)[rows:]
     return [(float(np.nanmean(c**2)) if np.isfinite(c).any() else 0.0, fit_check.ljung_box(c)[1]) for c in nu.T]

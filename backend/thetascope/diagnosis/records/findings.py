@@ -17,6 +17,7 @@ from thetascope.diagnosis.records.naming import Explanation, Stretch, explanatio
 Z95 = 1.96
 _BACK = 300  # rows before an event
 _ROWS = 6000  # of a stretch in which an event is judged again, at most
+_AGAIN = 6  # iterations in which events are refined again
 _TOGETHER = 12_000  # rows in which all events are refined together, at most
 _GRID = 40
 _REACH, _TIMES = 6.0, 49  # standard deviations around an onset, and times there, at which −2 log L is evaluated
@@ -84,14 +85,13 @@ class RecordFault:
 
 def final_faults(follower: Follower) -> tuple[RecordFault, ...]:
     """Return the findings at the end of the record; the follower's story becomes the final one."""
-    story = _consolidated(follower, sorted(follower.story, key=lambda e: e.onset))
-    story = _simplified(follower, _significant(follower, story))
-    if not story:
-        follower.story = []
+    for revise in (_consolidated, _significant, _simplified):
+        follower.settle(sorted(revise(follower, follower.story), key=lambda e: e.onset))
+    if not follower.story:
         return ()
-    joint = _together(follower, story)
-    follower.story = list(joint.events)
-    faults = [_fault(follower, joint, place) for place, event in enumerate(joint.events) if event.shape != END]
+    refined = _refined(follower)
+    follower.settle([numbers.event for numbers in refined])
+    faults = [_fault(follower, place, numbers) for place, numbers in enumerate(refined) if numbers.event.shape != END]
     return tuple(_merged(faults))
 
 
@@ -123,7 +123,7 @@ def _consolidated(follower: Follower, story: Sequence[FaultEvent]) -> list[Fault
 
     Groups are an event and all later ones of its channel, and an event and the next one.
     """
-    kept, place = list(story), 0
+    kept, place = sorted(story, key=lambda e: e.onset), 0
     while place < len(kept):
         event = kept[place]
         same = [e for e in kept[place:] if e.channel == event.channel]
@@ -189,23 +189,45 @@ def _simplified(follower: Follower, story: Sequence[FaultEvent]) -> list[FaultEv
     return kept
 
 
-def _together(follower: Follower, story: Sequence[FaultEvent]) -> Explanation:
-    """Return the story with the numbers of all events refined together, over the rows from the first event on."""
+@dataclass(frozen=True)
+class _Numbers:
+    """The refined numbers of one event: an explanation, and which of its free events it is."""
+
+    explanation: Explanation
+    place: int
+
+    @property
+    def event(self) -> FaultEvent:
+        """Return the event."""
+        return self.explanation.free_events[self.place]
+
+
+def _refined(follower: Follower) -> list[_Numbers]:
+    """Return the events of the story with the numbers of all refined together, from the first one on.
+
+    Events beyond the rows of one stretch are refined one at a time.
+    """
+    story = follower.story
     stretch = _stretch(follower, story[0].onset, None, _TOGETHER)
     within = [e for e in story if e.onset < stretch.data.t[-1]]
-    free = list(range(len(within)))
-    joint = refine(stretch, within, free, 6)
-    return replace(joint, events=(*joint.events, *story[len(within) :]))
+    joint = refine(stretch, within, list(range(len(within))), _AGAIN)
+    refined = [_Numbers(joint, place) for place in range(len(within))]
+    for place in range(len(within), len(story)):
+        others = story[:place] + story[place + 1 :]
+        after = story[place + 1].onset if place + 1 < len(story) else None
+        alone = refine(_stretch(follower, story[place].onset, after), [*others, story[place]], [len(others)], _AGAIN)
+        refined.append(_Numbers(alone, 0))
+    return refined
 
 
 # ---- one fault -------------------------------------------------------------------------------------------------------
 
 
-def _fault(follower: Follower, joint: Explanation, place: int) -> RecordFault:
+def _fault(follower: Follower, place: int, numbers: _Numbers) -> RecordFault:
     """Return one event of the final story with its alternatives."""
-    events = list(joint.events)
-    event, others = events[place], [e for i, e in enumerate(events) if i != place]
-    after = [e for e in events[place + 1 :] if e.onset > event.onset]
+    story, event = follower.story, numbers.event
+    others = story[:place] + story[place + 1 :]
+    after = [e for e in story[place + 1 :] if e.onset > event.onset]
     stretch = _stretch(follower, event.onset, min((e.onset for e in after), default=None))
     ended = next((e.onset for e in after if e.shape == END and e.channel == event.channel), None)
     at = float(follower.data.t[-1]) if ended is None else ended - 1e-9
@@ -214,9 +236,12 @@ def _fault(follower: Follower, joint: Explanation, place: int) -> RecordFault:
     for s in explanations(stretch, others, _near(stretch, event.onset), _taus(stretch)):
         other = s.event.channel
         if other != event.channel and s.event.shape != END and s.score - own < _CLOSE and other not in alternatives:
-            alternatives[other] = _candidate(stretch, s, 0, at, max(s.score - own, 0.0))
+            alternatives[other] = _candidate(stretch, _Numbers(s, 0), at, max(s.score - own, 0.0))
+    best = _candidate(stretch, numbers, at, 0.0)
+    if event.onset < stretch.data.t[-1]:
+        onset = _onset_interval(stretch, story, place, (best.onset.high - best.onset.low) / (2 * Z95))
+        best = replace(best, onset=Estimate(event.onset, *onset))
     decision = _decision_of(follower, event)
-    best = _candidate(stretch, joint, place, at, 0.0)
     return RecordFault(
         best, tuple(alternatives.values()), float(follower.data.t[decision.row]), decision.statistic, ended
     )
@@ -228,21 +253,14 @@ def _decision_of(follower: Follower, event: FaultEvent) -> Decision:
     return next((d for d in follower.decisions if t[d.row] >= event.onset), follower.decisions[-1])
 
 
-def _candidate(stretch: Stretch, story: Explanation, place: int, t: float, behind: float) -> Candidate:
-    """Return an explanation with its numbers at time t; ``place``: which of its free events."""
-    event = (
-        story.events[len(story.events) - story.free + place] if story.free < len(story.events) else story.events[place]
-    )
-    value, std = size_at(story, place, t, stretch.filter.p)
-    free = story.events[len(story.events) - story.free :]
-    row = sum(len(e.parameters()) for e in free[:place]) + event.parameters().index("onset")
-    known = row < len(story.covariance)
-    onset_std = float(np.sqrt(max(story.covariance[row, row], 0.0))) if known else 0.0
-    onset_std = max(onset_std, 0.25 * stretch.period)
+def _candidate(stretch: Stretch, numbers: _Numbers, t: float, behind: float) -> Candidate:
+    """Return an explanation with its numbers at time t."""
+    event, explanation = numbers.event, numbers.explanation
+    value, std = size_at(explanation, numbers.place, t, stretch.filter.p)
+    before = explanation.free_events[: numbers.place]
+    row = sum(len(e.parameters()) for e in before) + event.parameters().index("onset")
+    onset_std = max(float(np.sqrt(max(explanation.covariance[row, row], 0.0))), 0.25 * stretch.period)
     onset = Estimate(event.onset, event.onset - Z95 * onset_std, event.onset + Z95 * onset_std)
-    if behind == 0.0 and event.onset < stretch.data.t[-1]:
-        within = [e for e in story.events if e.onset < stretch.data.t[-1]]
-        onset = Estimate(event.onset, *_onset_interval(stretch, within, within.index(event), onset_std))
     slack = 0.05 * stretch.typical[event.channel]
     bounds = [float(b) for b in stretch.bounds[event.channel] if b != 0.0 and np.isfinite(b)]
     bound = next((b for b in bounds if abs(value - b) <= max(slack, std)), None)

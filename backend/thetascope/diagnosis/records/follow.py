@@ -15,7 +15,6 @@ from thetascope.diagnosis.records.naming import Explanation, Stretch, explanatio
 from thetascope.engine.filtering.bundles import Faults, Noise, Rows
 from thetascope.engine.filtering.record_filter import RecordFilter, part_of
 
-BLOCK = 4096
 _WAIT = 10  # rows after an alarm before the fault is named, at least
 _SLOW = 0.15  # of the time since the last event: later alarms are judged with more data
 _BACK = 300  # rows before an event from which hypotheses are tested
@@ -80,9 +79,9 @@ class Follower:
     def run(self) -> tuple[list[FaultEvent], list[Decision]]:
         """Return the events in the order of their onsets, and the decisions in the order of their alarms."""
         starts = self.starts = [(0, self.z, self.P)]
-        judged, row = self.begin, 0
+        judged = self.begin
         for _ in range(_MOST):
-            alarm = self._next_alarm(starts, row, judged)
+            alarm = self._next_alarm(starts, judged)
             if alarm is None or len(self.story) > MANY:
                 break
             decision = self._decide(alarm, starts, judged)
@@ -96,17 +95,24 @@ class Follower:
             onset = self._row_of(min(e.onset for e in self.story[-2:] or self.story))
             row = max(0, min(onset, self._row_of(self.story[-1].onset)) - _BACK)
             starts = self.starts = [s for s in starts if s[0] <= row] or [(0, self.z, self.P)]
-            row = starts[-1][0]
         return self.story, self.decisions
 
-    def _faults(self, story: Sequence[FaultEvent], begin: int, end: int) -> Faults:
-        data = self.data
-        return Faults(*courses(story, self.filter.p, data.t[begin:end], data.width[begin:end]))
+    def settle(self, story: Sequence[FaultEvent]) -> np.ndarray:
+        """Take another story, and return the innovations (rows, m) of the whole record under it."""
+        self.story, self.starts, innovations = list(story), [(0, self.z, self.P)], []
+        for begin, part, result in self.filter.blocks(self.data, self.noise, self.z, self.P, self._faults):
+            innovations.append(result.path.nu)
+            self.starts.append((begin + len(part.t), result.z, result.P))
+        return np.concatenate(innovations)
+
+    def _faults(self, rows: Rows) -> Faults:
+        """Return the faults of the present story along rows."""
+        return Faults(*courses(self.story, self.filter.p, rows.t, rows.width))
 
     def _row_of(self, t: float) -> int:
         return int(np.clip(np.searchsorted(self.data.t, t), 0, len(self.data.t) - 1))
 
-    def _next_alarm(self, starts: list, row: int, judged: int) -> tuple[int, int, float] | None:
+    def _next_alarm(self, starts: list, judged: int) -> tuple[int, int, float] | None:
         """Return row, onset row and statistic of the first alarm after `judged`; extend `starts` on the way."""
         coloured = len(self.z) > self.filter.n
         bank = self.filter.new_bank(1, coloured)
@@ -114,24 +120,20 @@ class Follower:
         row, z, P = starts[-1]
         if not len(self.statistic):
             self.statistic = np.zeros(len(self.data.t))
-        while row < len(self.data.t):
-            end = min(row + BLOCK, len(self.data.t))
-            data = part_of(self.data, row, end)
-            result = self.filter.filter(data, self.noise, z, P, self._faults(self.story, row, end))
-            alarms = self.filter.scan(
-                data, self.noise, result.path, bank, row, tick, self.used, np.nan_to_num(result.path.nu)[None]
-            )
+        rest = part_of(self.data, row, len(self.data.t))
+        for begin, part, result in self.filter.blocks(rest, self.noise, z, P, self._faults):
+            first, end = row + begin, row + begin + len(part.t)
+            nu = np.nan_to_num(result.path.nu)[None]
+            alarms = self.filter.scan(part, self.noise, result.path, bank, first, tick, self.used, nu)
             g = alarms.largest[:, 0]
-            self.statistic[max(row, judged) : end] = g[max(judged - row, 0) :]
-            late = np.flatnonzero((g > self.threshold) & (np.arange(row, end) >= judged))
+            self.statistic[max(first, judged) : end] = g[max(judged - first, 0) :]
+            late = np.flatnonzero((g > self.threshold) & (np.arange(first, end) >= judged))
             if len(late):
                 k = int(late[0])
-                self.statistic[row + k + 1 : end] = 0.0
-                return row + k, int(alarms.onset[k]), float(g[k])
-            row, z, P = end, result.z, result.P
-            self.progress(row)
-            if row < len(self.data.t):
-                starts.append((row, z, P))
+                self.statistic[first + k + 1 : end] = 0.0
+                return first + k, int(alarms.onset[k]), float(g[k])
+            self.progress(end)
+            starts.append((end, result.z, result.P))
         return None
 
     def _decide(self, alarm: tuple[int, int, float], starts: list, judged: int) -> Decision | None:
@@ -175,8 +177,7 @@ class Follower:
     def _stretch(self, starts: list, first: int, end: int) -> Stretch:
         row, z, P = next(s for s in reversed(starts) if s[0] <= first)
         if row < first:
-            result = self.filter.filter(
-                part_of(self.data, row, first), self.noise, z, P, self._faults(self.story, row, first)
-            )
+            before = part_of(self.data, row, first)
+            result = self.filter.filter(before, self.noise, z, P, self._faults(before))
             z, P = result.z, result.P
         return Stretch(self.filter, self.noise, part_of(self.data, first, end), z, P, self.bounds, self.own)

@@ -50,8 +50,8 @@ def bank_maximum(model: RecordModel, data: Rows, fitted: NoiseFit) -> BankMaximu
 def found_stretch(model: RecordModel, data: Rows, start: Start, resolution: np.ndarray) -> int:
     """Return the number of rows of the longest beginning that shows no fault by its own noise.
 
-    It grows by a third while neither the onset bank nor a single innovation stands out. Where the first rows already
-    show one, they are returned: the check of the fit then says so.
+    It grows by three tenths while neither the onset bank nor a single innovation stands out. Where the first rows
+    already show a fault, they are returned: the check of the fit then says so.
     """
     total = len(data.t)
     rows = best = min(total, max(_FIRST, min(int(_SHARE * total), _LAST)))

@@ -29,7 +29,6 @@ _NEARLY_ALL = 0.98  # in this share of the rows: the first estimates may be far 
 _ROUNDS = 3
 _COURSE_ROWS = 1000  # on which courses of the inputs are compared
 _BETTER = 10.0  # fall of −2 log L by which another course of the inputs must fit better
-_BLOCK = 8192  # rows that are filtered in one call
 _START_ROWS = 400  # rows that determine the initial state
 
 
@@ -265,13 +264,9 @@ def with_gaps(model: RecordModel, data: Rows, recording: Recording, noise: Noise
 def _input_effects(filter_: RecordFilter, data: Rows, noise: Noise, model: RecordModel, rows: np.ndarray) -> np.ndarray:
     """Return the effect (rows, n, inputs) of a change of each input over the intervals after some rows."""
     effects = np.zeros((len(rows), model.filter.n, filter_.d))
-    z, P = model.initial, np.diag(model.scales**2)
-    for begin in range(0, len(data.t), _BLOCK):
-        end = min(begin + _BLOCK, len(data.t))
-        result = filter_.filter(part_of(data, begin, end), noise, z, P)
-        here = (rows >= begin) & (rows < end)
+    for begin, part, result in filter_.blocks(data, noise, model.initial, np.diag(model.scales**2)):
+        here = (rows >= begin) & (rows < begin + len(part.t))
         effects[here] = result.path.G[rows[here] - begin]
-        z, P = result.z, result.P
     return effects
 
 

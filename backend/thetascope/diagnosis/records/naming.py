@@ -91,6 +91,11 @@ class Explanation:
         """Return the last event."""
         return self.events[-1]
 
+    @property
+    def free_events(self) -> tuple[FaultEvent, ...]:
+        """Return the events whose numbers were refined."""
+        return self.events[len(self.events) - self.free :]
+
 
 # ---- refining ------------------------------------------------------------------------------------------------------
 

@@ -169,10 +169,6 @@ def _first(model: RecordModel, data: Rows) -> Start:
 
 def _loss(model: RecordModel, data: Rows, start: Start) -> float | None:
     """Return −2 log L with noise that is fitted to these rows, None where the filter fails."""
-    try:
-        fitted = noise_fit.fit(
-            model.filter, data, start, model.scales, model.measured, np.zeros(model.filter.m), white=True
-        )
-    except (ValueError, FloatingPointError, np.linalg.LinAlgError):
-        return None
+    none = np.zeros(model.filter.m)
+    fitted = noise_fit.fit(model.filter, data, start, model.scales, model.measured, none, white=True)
     return fitted.loss if np.isfinite(fitted.loss) else None

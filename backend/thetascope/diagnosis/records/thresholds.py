@@ -15,6 +15,7 @@ from thetascope.engine.filtering.record_filter import RecordFilter, part_of
 REPLICAS = 64
 _ROWS = 4000  # of the stretch that is simulated, at most
 _SEED = 0
+_LEAST, _MOST = 4.0, 500.0  # of a threshold
 
 
 def path_part(path: Path, begin: int, end: int) -> Path:
@@ -44,9 +45,9 @@ def crossings(filter_: RecordFilter, data: Rows, noise: Noise, path: Path, used:
 def threshold(crossing_rate: float, false_alarms: float) -> float:
     """Return h for a rate of false alarms per hour, from C per second."""
     if crossing_rate <= 0:
-        return 16.0
+        return _LEAST
 
     def excess(h: float) -> float:
         return np.log(3600 * crossing_rate) + 0.5 * np.log(h) - h / 2 - np.log(false_alarms)
 
-    return 4.0 if excess(4.0) < 0 else float(root_scalar(excess, bracket=(4.0, 500.0)).root)
+    return _LEAST if excess(_LEAST) < 0 else float(root_scalar(excess, bracket=(_LEAST, _MOST)).root)

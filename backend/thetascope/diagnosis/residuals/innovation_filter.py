@@ -21,7 +21,6 @@ from thetascope.engine.simulation.simulation import at_rows
 MOST_STATES = 12
 LARGEST = 1e60  # standard deviations: at larger innovations the filter has diverged
 REPEATS = 10  # equal noisy values in succession: the output is stuck
-_USUAL = 3.0  # factor on the length of nearly all repetitions in a record
 _EDGE = (
     1e-3  # of a state's scale: distance from the edge of the domain at which derivatives are taken (√x has none at 0)
 )
@@ -230,13 +229,6 @@ class InnovationFilter:
         shifted = state.copy()
         shifted[..., : self.n] += (self.sensitivity(state) @ change[..., None])[..., 0]
         return shifted
-
-    def learn_repeats(self, y: np.ndarray) -> None:
-        """Accept repetitions as long as nearly all of those in a record (rows, m): coarse sensors repeat values."""
-        for k, column in enumerate(y.T):
-            ends = np.flatnonzero(np.diff(column) != 0)
-            if len(ends) > 1:
-                self.stuck_after[k] = max(self.stuck_after[k], _USUAL * np.quantile(np.diff(ends), 0.99))
 
 
 def rowwise(t: np.ndarray, stops: np.ndarray | None = None) -> Segments:

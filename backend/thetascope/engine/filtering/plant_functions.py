@@ -44,7 +44,7 @@ class PlantFunctions:
 
     def externals(self) -> dict[str, External]:
         """Return the functions as the loops call them."""
-        return {name: External(name, (), numbers=1, pointers=7) for name in ("rates", "readings")}
+        return {name: External(name, numbers=1, pointers=7) for name in ("rates", "readings")}
 
     def text(self) -> list[str]:
         """Return the IR lines of both functions, and of the tables and solvers that they use."""

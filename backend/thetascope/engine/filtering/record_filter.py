@@ -1,6 +1,6 @@
 """RecordFilter: the loops of this folder for one plant, with NumPy arrays."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -12,6 +12,7 @@ from thetascope.engine.filtering.bundles import Alarms, Bank, Equations, Faults,
 from thetascope.engine.filtering.plant_functions import PlantFunctions
 from thetascope.engine.loops.kernels import LoopKernel, compile_loops
 
+BLOCK = 4096  # rows
 SLOTS = 96  # onsets that are watched at the same time: two for each doubling of the age, and the youngest ones
 
 
@@ -157,6 +158,21 @@ class RecordFilter:
             path.G *= self.scale
             path.J *= self.scale
         return FilterResult(loss, path, z, P)
+
+    def blocks(
+        self, data: Rows, noise: Noise, z: np.ndarray, P: np.ndarray, faults_of: Callable[[Rows], Faults] | None = None
+    ) -> Iterator[tuple[int, Rows, FilterResult]]:
+        """Filter rows in blocks, whose memory does not grow with the record: yield first row, rows and result of each.
+
+        Args:
+            data, noise, z, P: as in `filter`.
+            faults_of: the known faults along some rows; None: none.
+        """
+        for begin in range(0, len(data.t), BLOCK):
+            part = part_of(data, begin, min(begin + BLOCK, len(data.t)))
+            result = self.filter(part, noise, z, P, None if faults_of is None else faults_of(part))
+            yield begin, part, result
+            z, P = result.z, result.P
 
     def flows(self, data: Rows, x: np.ndarray) -> np.ndarray:
         """Return the states (rows, n) at the ends of the intervals that begin with the states x (rows, n)."""

@@ -117,13 +117,12 @@ def _parameter(name: str, hint: object, shapes: dict[str, str]) -> Parameter:
 
 @dataclass(frozen=True)
 class External:
-    """A function of a module that is written elsewhere, with pointers as arguments: its name and its IR lines.
+    """A function of the module that is written elsewhere, with pointers as arguments.
 
     ``numbers``: how many float arguments come before the pointers.
     """
 
     name: str
-    lines: tuple[str, ...]
     numbers: int
     pointers: int
 

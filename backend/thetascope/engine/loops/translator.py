@@ -177,7 +177,7 @@ class Translator(Expressions):
         return {"lt": a < b, "le": a <= b, "gt": a > b, "ge": a >= b, "eq": a == b, "ne": a != b}[kind]
 
     def _plain(self, node: ast.expr) -> str:
-        """Return a size of a local array as it stands in declared shapes."""
+        """Return a size of a local array in the form of declared shapes."""
         return ast.unparse(node).replace(" ", "").replace("size.", "")
 
     def _labels(self, *names: str) -> list[str]:
