@@ -1321,7 +1321,7 @@ export interface MappedQuantity {
   high: number | null;
   /** Whether names or written units give the column; else it should be looked at. */
   certain: boolean;
-  /** Why this column and this unit, or why none. */
+  /** Why this column and this unit, or why no column. */
   reason: Text;
   /** Another mapping that would fit better, or null. */
   proposal: QuantityMapping | null;

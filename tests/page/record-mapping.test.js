@@ -24,7 +24,11 @@ const quantities = [
   quantity('y1', 'output', 'cm', ['cm', 'm', 'mm']),
   quantity('y2', 'output', 'cm', ['cm', 'm', 'mm']),
 ];
-/** @param {'time' | 'output' | 'offset' | 'fahrenheit' | 'input' | 'swap-outputs' | 'parameter'} kind @param {string} name @param {number | null} [factor] */
+/**
+ * @param {'time' | 'output' | 'offset' | 'fahrenheit' | 'input' | 'swap-outputs' | 'parameter'} kind
+ * @param {string} name
+ * @param {number | null} [factor]
+ */
 const remedy = (kind, name, factor = null) => remedyFor({kind, name, factor}, {mapping, quantities});
 
 test('a column is read as one quantity only, and a quantity has one column', () => {

@@ -33,7 +33,7 @@ class Inspected:
     """A table as it is understood.
 
     Attributes:
-        recording: rows for observers and detector, or None where `problem` says why there is none.
+        recording: rows for observers and detector, or None; then `problem` gives the reason.
         begin: the date of the first row, if there is one.
         values: by quantity, (rows,) in the plant's unit, without sentinels, inputs not held.
     """

@@ -24,7 +24,7 @@ class Column:
 
     Attributes:
         name: as the file has it, without its unit only in formats that keep units apart.
-        kind: `number`: values are float64 with NaN where there is none; `datetime`: int64 nanoseconds, see `epoch`;
+        kind: `number`: values are float64, NaN where a number is missing; `datetime`: int64 nanoseconds, see `epoch`;
             `text` and `empty`: values are all NaN.
         values: (rows,)
         unit, unit_from: the unit that the file writes below the names or as metadata, and where.

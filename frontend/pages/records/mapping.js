@@ -2,7 +2,8 @@
 
 /** @import * as service from '../../types/service.js' */
 /** @typedef {service.ColumnMapping} Mapping */
-/** @typedef {{time?: Partial<service.TimeMapping>, quantities?: {[name: string]: Partial<service.QuantityMapping>}}} Proposal */
+/** @typedef {{[name: string]: Partial<service.QuantityMapping>}} Quantities */
+/** @typedef {{time?: Partial<service.TimeMapping>, quantities?: Quantities}} Proposal */
 
 const NONE = {column: null, unit: null, factor: null, offset: null};
 

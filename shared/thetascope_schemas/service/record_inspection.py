@@ -179,7 +179,7 @@ class MappedQuantity(Strict):
     low: Number | None = Field(description="Smallest value in the plant's unit, without sentinels.")
     high: Number | None = Field(description="Largest value in the plant's unit, without sentinels.")
     certain: Flag = Field(description="Whether names or written units give the column; else it should be looked at.")
-    reason: Sentence = Field(description="Why this column and this unit, or why none.")
+    reason: Sentence = Field(description="Why this column and this unit, or why no column.")
     proposal: QuantityMapping | None = Field(description="Another mapping that would fit better, or null.")
 
 

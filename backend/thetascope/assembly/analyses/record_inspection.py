@@ -59,7 +59,7 @@ def recording_of(plant: Plant, path: Path, mapping: ColumnMapping | None = None)
 
 
 def recording_in(inspected: Inspected) -> Recording:
-    """Return the recording that was found. Raises SpecError with the reason why there is none."""
+    """Return the recording that was found. Raises SpecError with the reason if it cannot be diagnosed."""
     if inspected.problem is not None:
         raise SpecError("record", None, inspected.problem)
     assert inspected.recording is not None, "without a problem there is a recording"

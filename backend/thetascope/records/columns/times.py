@@ -108,7 +108,7 @@ def unit_of_time(column: Column) -> tuple[TimeUnit, bool]:
 
 @dataclass(frozen=True)
 class Seconds:
-    """Times in s from the first row on, NaN where there is none, and the date of the first row if there is one."""
+    """Times in s from the first row on, NaN where one is missing, and the date of the first row if there are dates."""
 
     t: np.ndarray
     begin: str | None

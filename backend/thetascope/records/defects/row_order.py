@@ -29,7 +29,7 @@ def ordered(t: np.ndarray, cells: np.ndarray, lines: np.ndarray, column: str | N
     """Return rows with strictly increasing times.
 
     Args:
-        t: (rows,), times in s as in the file, NaN where there is none.
+        t: (rows,), times in s as in the file, NaN where one is missing.
         cells: (rows, columns), the numbers in the columns that are used.
         lines: (rows,), their lines in the file.
         column: the column of times.

@@ -91,7 +91,7 @@ def column_of(name: str, cells: Cells, unit: str = "") -> Column:
 
 
 def _value(cell: str, decimal: Decimal) -> tuple[float | None, str, str]:
-    """Return a cell's number and unit, NaN where it says that there is none or None for a word, and the cell."""
+    """Return a cell's number and unit, NaN for a mark of a missing value, None for a word, and the cell."""
     if is_missing(cell):
         return np.nan, "", cell
     value = number(cell, decimal)

@@ -28,7 +28,8 @@ _WIDER = (r"\s+(?![\[(])", r"\s{2,}|\t", r"\s*[,;|\t]\s*")
 _REMARKS = ("", "comment", "comments", "remark", "remarks", "note")  # heads of columns that rows may leave out
 _FEW = 0.5  # share of cells above which a column is of a kind
 _UNIT = re.compile(
-    r"[\[(].{0,23}[\])]|-|%|(?=.*[°²³µμΩ℃/^*·])(?:1/)?[^\d,;][^,;]{0,20}|[kmMucn]?(?:s|m|g|V|A|W|Pa|N|l|L|Hz|J|bar|Ohm|mol)"
+    r"[\[(].{0,23}[\])]|-|%|(?=.*[°²³µμΩ℃/^*·])(?:1/)?[^\d,;][^,;]{0,20}"
+    r"|[kmMucn]?(?:s|m|g|V|A|W|Pa|N|l|L|Hz|J|bar|Ohm|mol)"
     r"|sec|min|h|hr|d|TS|RN|K|C|F|deg ?[CFK]?|Deg C|cm[23]|psi|rpm|pct|lpm|gpm|rad|Nm|inch|ft|ppm|pH"
     r"|秒|分|分钟|小时|毫秒|米|厘米|毫米|摄氏度|帕|千帕|伏|安|瓦|升|转"
 )
@@ -43,7 +44,7 @@ class Dialect:
         width: cells in a row.
         decimal: the decimal sign.
         names: of the columns, or None where the file has none.
-        units: of the columns, from a line below the names; empty texts where there is none.
+        units: of the columns, from a line below the names; an empty text for none.
         first: place of the first line of data among the lines given.
         trailing: whether every row ends with a separator after which nothing follows.
     """

@@ -28,7 +28,7 @@ Order = Literal["day", "month"]
 def nanoseconds(
     rows: int, cells: Sequence[tuple[int, str]]
 ) -> tuple[np.ndarray, Literal["date", "clock"], list[tuple[int, str]]] | None:
-    """Return times by row, NONE where there is none, their kind, and cells that are none; or None for other texts.
+    """Return times by row, NONE where a cell has none, their kind, and other cells; or None for other texts.
 
     Dates count from 1970 (UTC where they have a zone, else as written), times of day from midnight.
     """

@@ -40,7 +40,11 @@ export function faultTable(faults, plant) {
   );
 }
 
-/** A cell that says its column on narrow screens. @param {string} key @param {...import('../../../types/dom.js').Child} content */
+/**
+ * A cell that says its column on narrow screens.
+ * @param {string} key
+ * @param {...import('../../../types/dom.js').Child} content
+ */
 const cell = (key, ...content) =>
   h('td', {class: key, 'data-title': t(`page.records.fault.${key}`)}, h('div', {}, content));
 
@@ -88,12 +92,18 @@ export const size = ({size: interval, bound, unit}) =>
     ? h('b', {}, t('page.records.fault.at-bound', {bound: number(bound), unit}))
     : [h('b', {}, withInterval(interval)), unit && `\u202f${unit}`];
 
+/** The same as plain text. @param {Pick<Candidate, 'size' | 'bound' | 'unit'>} candidate */
+const sizeText = ({size: interval, bound, unit}) =>
+  bound !== null
+    ? t('page.records.fault.at-bound', {bound: number(bound), unit})
+    : withInterval(interval) + (unit ? `\u202f${unit}` : '');
+
 /** @param {Candidate} candidate @param {Plant} plant */
 const alternative = ({title, channel, unit, size: interval, bound, separable, behind}, plant) =>
   h(
     'li',
     {class: separable ? 'less-likely' : 'inseparable'},
-    `${titleOf({channel, title}, plant)}: ${bound !== null ? t('page.records.fault.at-bound', {bound: number(bound), unit}) : `${withInterval(interval)}${unit ? `\u202f${unit}` : ''}`}`,
+    `${titleOf({channel, title}, plant)}: ${sizeText({size: interval, bound, unit})}`,
     ' ',
     h(
       'small',

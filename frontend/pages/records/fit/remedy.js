@@ -4,7 +4,8 @@ import {timeUnitWith, unitWith} from './units.js';
 
 /** @import * as service from '../../../types/service.js' */
 /** @typedef {service.ColumnMapping} Mapping */
-/** @typedef {Pick<service.MappedQuantity, 'name' | 'role' | 'column' | 'column_unit' | 'unit' | 'units' | 'factor' | 'offset'>} Quantity */
+/** @typedef {'name' | 'role' | 'column' | 'column_unit' | 'unit' | 'units' | 'factor' | 'offset'} Field */
+/** @typedef {Pick<service.MappedQuantity, Field>} Quantity */
 /**
  * @typedef {object} Remedy
  * @property {string} code   of the button's words
