@@ -22,6 +22,7 @@ _TOGETHER = 12_000  # rows in which all events are refined together, at most
 _GRID = 40
 _REACH, _TIMES = 6.0, 49  # standard deviations around an onset, and times there, at which −2 log L is evaluated
 _ONE = 3.84  # 95 % quantile of χ² with one degree of freedom
+_STILL = 0.9  # of the threshold: by less than this an event no longer lowers −2 log L
 _CLOSE = 40.0  # score up to which an alternative is mentioned
 
 
@@ -85,7 +86,7 @@ class RecordFault:
 
 def final_faults(follower: Follower) -> tuple[RecordFault, ...]:
     """Return the findings at the end of the record; the follower's story becomes the final one."""
-    for revise in (_consolidated, _significant, _simplified):
+    for revise in (_consolidated, _significant, _simplified, _significant):
         follower.settle(sorted(revise(follower, follower.story), key=lambda e: e.onset))
     if not follower.story:
         return ()
@@ -152,7 +153,11 @@ def _single(follower: Follower, story: Sequence[FaultEvent], group: Sequence[Fau
     free = list(range(len(base), len(base) + len(group)))
     several = score(stretch, [*base, *group], free, stretch.run([*base, *group], ()).loss)
     single = explanations(stretch, base, _near(stretch, group[0].onset), _taus(stretch))
-    single = [s for s in single if s.event.shape != END and s.score < several]
+    if all(e.shape == RAMP and e.channel == group[0].channel for e in group):
+        rise = group[1].onset - group[0].onset  # a ramp that ends looks like two ramps
+        plateau = group[0].moved(shape=PLATEAU, size=group[0].size * rise, tau=max(rise, stretch.period))
+        single.append(refine(stretch, [*base, plateau], [len(base)]))
+    single = sorted((s for s in single if s.event.shape != END and s.score < several), key=lambda s: s.score)
     return single[0].event if single else None
 
 
@@ -163,7 +168,7 @@ def _significant(follower: Follower, story: Sequence[FaultEvent]) -> list[FaultE
         others = [e for e in kept if e is not event]
         after = [e.onset for e in kept if e.onset > event.onset]
         stretch = _stretch(follower, event.onset, min(after, default=None))
-        if stretch.run(others, ()).loss - stretch.run(kept, ()).loss < follower.threshold / 2:
+        if stretch.run(others, ()).loss - stretch.run(kept, ()).loss < _STILL * follower.threshold:
             kept = others
     while kept and kept[0].shape == END:
         kept = kept[1:]
