@@ -95,16 +95,3 @@ def test_repeated_numbers_are_counted():
     cut = none.extended(np.zeros((2, 1, 1, 1)), np.zeros((2, 1, 1)), y=y[:3])
     cut = cut.extended(np.zeros((6, 1, 1, 1)), np.zeros((6, 1, 1)), y=y[2:])
     np.testing.assert_array_equal(cut.repeats, whole.repeats)
-
-
-def test_coarse_sensors_are_not_stuck():
-    """A sensor that often repeats numbers is not called stuck."""
-    filter_ = watching("zhao-2012").made.filter
-    before = filter_.stuck_after.copy()
-    try:
-        draw = np.random.default_rng(1)
-        y = np.repeat(draw.normal(size=200), draw.integers(5, 40, 200))[:, None]
-        filter_.learn_repeats(y)
-        assert filter_.stuck_after[0] >= 39
-    finally:
-        filter_.stuck_after = before

@@ -83,6 +83,17 @@ def test_a_healthy_record_shows_nothing() -> None:
         assert all(v.smallest is not None and v.smallest < v.typical for v in diagnosis.visible)
 
 
+@pytest.mark.parametrize("step", [0.1, 0.32, 0.5])
+def test_coarse_sensors_are_neither_stuck_nor_faulty(step: float) -> None:
+    """A healthy sensor that repeats numbers for many rows shows no fault."""
+    recording = tank(noise=0.02)
+    coarse = replace(recording, y=np.round(recording.y / step) * step, resolution=np.array([step]))
+    changes = np.flatnonzero(np.diff(coarse.y[:, 0]))
+    assert step < 0.3 or np.diff(changes).max() >= 5
+    diagnosis = diagnosed(TANK, coarse)
+    assert diagnosis.fit.verdict == "fits" and not diagnosis.faults, diagnosis.sentence.text
+
+
 # ---- the model does not fit ------------------------------------------------------------------------------------------
 
 

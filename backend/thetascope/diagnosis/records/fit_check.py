@@ -19,6 +19,7 @@ from thetascope.engine.filtering.bundles import Rows
 
 BIASED = 4.0  # standard errors of the mean innovation
 COLOURED = 1e-6  # probability of the autocorrelation
+_ROUNDED = 0.5  # share of rounding in the variance of the noise from which whiteness is not tested
 _LAGS = 20
 _QUIET = 3.0  # times the noise: no unit is doubted if the simulation errs by less
 DRIVEN = 1e-5  # probability of the dependence on past input changes
@@ -166,7 +167,7 @@ def check(
         whole: all rows, on which units are tried: no fault looks like a wrong unit.
     """
     fits = output_fits(model, data, start, fitted)
-    findings = [*_outside(model, recording), *_innovations(model, data, fitted, fits)]
+    findings = [*_outside(model, recording), *_innovations(model, data, fitted, fits, recording.resolution)]
     if largest[0] > _LARGE:
         findings.append(Finding("not-healthy", "", largest[0], largest[1]))
     if len(visible) and not visible.any():
@@ -202,14 +203,21 @@ def _outside(model: RecordModel, recording: Recording) -> list[Finding]:
     return findings
 
 
-def _innovations(model: RecordModel, data: Rows, fitted: NoiseFit, fits: Sequence[OutputFit]) -> list[Finding]:
-    """Return the failed tests of the innovations."""
+def _innovations(
+    model: RecordModel, data: Rows, fitted: NoiseFit, fits: Sequence[OutputFit], resolution: np.ndarray
+) -> list[Finding]:
+    """Return the failed tests of the innovations.
+
+    Where most of the noise is rounding to the resolution, errors depend on each other in any case: whiteness says
+    nothing about the model there.
+    """
     findings, nu = [], fitted.result.path.nu
     inputs = [*model.names("inputs"), *model.names("signals")]
     for k, (name, fit) in enumerate(zip(model.names("outputs"), fits, strict=True)):
         if abs(fit.bias) > BIASED:
             findings.append(Finding("bias", name, fit.bias))
-        if fit.whiteness < COLOURED:
+        rounded = resolution[k] ** 2 / 12 > _ROUNDED * fit.noise**2
+        if fit.whiteness < COLOURED and not rounded:
             findings.append(Finding("coloured", name, fit.whiteness))
         limit = np.sqrt(2 * np.log(1000.0 * max(len(nu), 2)))
         far = np.abs(np.nan_to_num(nu[:, k]))
