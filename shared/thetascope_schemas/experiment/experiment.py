@@ -56,8 +56,10 @@ def _no_file(plant: object) -> object:
     return plant
 
 
+PlantName = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}(@[0-9]{1,9})?$")]
+"""Id of a library plant, or of one that the sender has saved; `id@7` is its version 7."""
 PlantChoice = Annotated[
-    Annotated[Identifier, BeforeValidator(_no_file), Tag("library")] | Annotated[Plant, Tag("inline")],
+    Annotated[PlantName, BeforeValidator(_no_file), Tag("library")] | Annotated[Plant, Tag("inline")],
     Discriminator(_plant_kind),
 ]
 
@@ -95,7 +97,9 @@ class Experiment(Strict):
     description: Prose = ""
     source: Prose = Field(default="", description="Source of the experiment, such as a paper and its figure.")
     errata: tuple[Prose, ...] = Field(default=(), max_length=50, description="Errors in the printed source.")
-    plant: PlantChoice = Field(description="Id of a library plant, or a complete plant.")
+    plant: PlantChoice = Field(
+        description="Id of a library plant or of one that the sender has saved, or a complete plant."
+    )
     parameters: dict[Reference, Number] = Field(
         default_factory=dict, description="Parameters that differ from the plant's values."
     )
