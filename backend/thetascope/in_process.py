@@ -13,8 +13,8 @@ from thetascope.runs.specs.refusals import from_engine, validated
 from thetascope.runs.specs.resolve_spec import library_experiment, plant_of, resolved, with_changes
 from thetascope.runs.specs.run_requests import parse_request
 from thetascope_schemas import Experiment, Plant
-from thetascope_schemas.service.record_diagnosis import RecordDiagnosis, RecordSettings
-from thetascope_schemas.service.record_inspection import ColumnMapping
+from thetascope_schemas.experiment.measurement import ColumnMapping, RecordSettings
+from thetascope_schemas.service.record_diagnosis import RecordDiagnosis
 
 
 def run(experiment: str | Mapping[str, object] | Experiment, changes: Mapping[str, object] | None = None) -> Result:

@@ -694,7 +694,7 @@ export interface Experiment {
   source: string;
   /** Errors in the printed source. */
   errata: (string)[];
-  /** Id of a library plant or of one that the sender has saved, or a complete plant. */
+  /** Id of a library plant, or a complete plant. */
   plant: string | Plant;
   /** Parameters that differ from the plant's values. */
   parameters: {[name: string]: number};
@@ -739,7 +739,7 @@ export interface ExperimentInput {
   source?: string | {[name: string]: string};
   /** Errors in the printed source. */
   errata?: (string | {[name: string]: string})[];
-  /** Id of a library plant or of one that the sender has saved, or a complete plant. */
+  /** Id of a library plant, or a complete plant. */
   plant: string | PlantInput;
   /** Parameters that differ from the plant's values. */
   parameters?: {[name: string]: number};
@@ -1193,6 +1193,16 @@ export interface Inject {
   fault: StepFaultInput | RampFaultInput | DriftFaultInput | ExponentialFaultInput | SineFaultInput | PulseTrainFaultInput | RandomWalkFaultInput | TableFaultInput | StuckFaultInput | FreezeFaultInput | DropoutFaultInput | OutliersFaultInput | NoiseBurstFaultInput | QuantisationFaultInput | DelayFaultInput;
 }
 
+/** The innovations of the filter without faults in their standard deviations, for drawing. */
+export interface Innovations {
+  /** Beginnings of intervals of time, in s after the first row. */
+  t: (number)[];
+  /** Smallest in each interval, by output; null: it has no reading. */
+  low: {[name: string]: (number | null)[]};
+  /** Largest in each interval, by output. */
+  high: {[name: string]: (number | null)[]};
+}
+
 /** One known input u. */
 export interface Input {
   /** Name in the equations. */
@@ -1377,51 +1387,6 @@ export interface MissingFault {
   unit: string;
   /** The proposal in a sentence. */
   text: Text;
-}
-
-/** A version of a saved plant with its text. */
-export interface MyPlant {
-  /** Id in the text, by which experiments and records name the plant. */
-  id: string;
-  /** Number of the version, from 1; `id@version` names it. */
-  version: number;
-  title: string;
-  format: 'yaml' | 'json';
-  /** Number of fault channels; 0 in a draft that cannot be read. */
-  faults: number;
-  /** Whether it had no errors when it was saved; a draft cannot be simulated. */
-  ready: boolean;
-  /** Time in seconds since 1970. */
-  saved: number;
-  /** Whether this client may delete it; others' plants can be read and used. */
-  mine: boolean;
-  href: string;
-  /** The plant as YAML or JSON, as it was typed. */
-  text: string;
-}
-
-/** A version of a saved plant, without its text. */
-export interface MyPlantLine {
-  /** Id in the text, by which experiments and records name the plant. */
-  id: string;
-  /** Number of the version, from 1; `id@version` names it. */
-  version: number;
-  title: string;
-  format: 'yaml' | 'json';
-  /** Number of fault channels; 0 in a draft that cannot be read. */
-  faults: number;
-  /** Whether it had no errors when it was saved; a draft cannot be simulated. */
-  ready: boolean;
-  /** Time in seconds since 1970. */
-  saved: number;
-  /** Whether this client may delete it; others' plants can be read and used. */
-  mine: boolean;
-  href: string;
-}
-
-/** Saved plants, or the versions of one of them, the last one that was saved first. */
-export interface MyPlantList {
-  plants: (MyPlantLine)[];
 }
 
 /** Gaussian measurement noise of one output; each drawn value is held for the sample time. */
@@ -1901,22 +1866,6 @@ export interface PlantSizes {
   channels: number;
 }
 
-/** The check of a plant's text. A text with errors is an answer, too, and not a refusal. */
-export interface PlantTextCheck {
-  format: 'yaml' | 'json';
-  /** The plant's id, as far as the text can be read. */
-  id: string;
-  title: string;
-  /** Whether the plant can be simulated: there are no errors. */
-  valid: boolean;
-  /** Errors and warnings in the order of the text. */
-  errors: (TextError)[];
-  /** The plant in full; null unless it is valid. */
-  plant: Plant | null;
-  sizes: PlantSizes | null;
-  equations: PlantEquations | null;
-}
-
 /** Start or resume the clock. */
 export interface Play {
   /** Number of the command, chosen by the client. */
@@ -2266,7 +2215,7 @@ export interface Record {
   /** Changes of the guessed mapping. */
   mapping?: ColumnMappingInput;
   /** Settings of the diagnosis. */
-  settings?: RecordSettings;
+  settings?: RecordSettingsInput;
 }
 
 /** A column of the file. */
@@ -2341,6 +2290,12 @@ export interface RecordDiagnosis {
   statistic: StatisticCurve | null;
   /** The simulation from the healthy stretch's first row on, to compare with the readings. */
   simulated: SimulatedOutputs | null;
+  /** Innovations from the healthy stretch's first row on. */
+  innovations: Innovations | null;
+  /** The estimated state in the healthy stretch's first row. */
+  initial: {[name: string]: number};
+  /** Course of the inputs between two rows that fits best. */
+  between: 'held' | 'held-before' | 'linear';
   /** Assumptions and limitations. */
   notes: (Text)[];
 }
@@ -2352,7 +2307,7 @@ export interface RecordDiagnosisRequest {
   /** Changes of the guessed mapping. */
   mapping?: ColumnMappingInput;
   /** Settings of the diagnosis. */
-  settings?: RecordSettings;
+  settings?: RecordSettingsInput;
 }
 
 /** A fault that the record shows. */
@@ -2480,8 +2435,32 @@ export interface RecordPreview {
   series: (PreviewSeries)[];
 }
 
+/** Observers that are to run on a stored record, with its plant, mapping and diagnosis. */
+export interface RecordRunRequest {
+  /** Id of a library plant, or a complete plant. */
+  plant: string | PlantInput;
+  /** Changes of the guessed mapping. */
+  mapping?: ColumnMappingInput;
+  /** Settings of the diagnosis. */
+  settings?: RecordSettingsInput;
+  /** The observers; by default a joint extended Kalman filter. */
+  observers?: (ObserverConfigInput)[];
+}
+
 /** How a record is diagnosed. */
 export interface RecordSettings {
+  /** A stretch that is known to be healthy; null: the longest beginning that shows no fault by itself. */
+  healthy: Stretch | null;
+  /** Accepted false alarms per hour. */
+  false_alarms: number;
+  /** auto: parameters are fitted on the healthy stretch where one alone lets the model fit clearly better; never; chosen: `parameters` are fitted. */
+  fit: 'auto' | 'never' | 'chosen';
+  /** With chosen: the parameters that are fitted; empty: all. */
+  parameters: (string)[];
+}
+
+/** How a record is diagnosed. */
+export interface RecordSettingsInput {
   /** A stretch that is known to be healthy; null: the longest beginning that shows no fault by itself. */
   healthy?: Stretch | null;
   /** Accepted false alarms per hour. */
@@ -2508,6 +2487,38 @@ export interface RecordTimes {
   jitter: number;
   /** Whether the rows were in reversed order. */
   turned: boolean;
+}
+
+/** A record that takes the place of the simulated plant and its sensors. */
+export interface RecordedTruth {
+  /** Id of the record: the beginning of the SHA-256 of its file. */
+  id: string;
+  /** Name of the file. */
+  name: string;
+  /** Changes of the guessed mapping. */
+  mapping: ColumnMapping;
+  /** Settings of its diagnosis. */
+  settings: RecordSettings;
+  /** Inputs between two rows: those of the row before, those of the row after (written before they changed), or a straight line. */
+  between: 'held' | 'held-before' | 'linear';
+  /** Those of the experiment's `parameters` that were fitted on this record: observers use them, and the diagnosis fits them again, from the plant's own values. */
+  fitted: (string)[];
+}
+
+/** A record that takes the place of the simulated plant and its sensors. */
+export interface RecordedTruthInput {
+  /** Id of the record: the beginning of the SHA-256 of its file. */
+  id: string;
+  /** Name of the file. */
+  name?: string;
+  /** Changes of the guessed mapping. */
+  mapping?: ColumnMappingInput;
+  /** Settings of its diagnosis. */
+  settings?: RecordSettingsInput;
+  /** Inputs between two rows: those of the row before, those of the row after (written before they changed), or a straight line. */
+  between?: 'held' | 'held-before' | 'linear';
+  /** Those of the experiment's `parameters` that were fitted on this record: observers use them, and the diagnosis fits them again, from the plant's own values. */
+  fitted?: (string)[];
 }
 
 /** A command was refused; nothing has changed. */
@@ -2652,6 +2663,8 @@ export interface RunSummary {
   comparison: Comparison | null;
   /** The diagnosis: which fault, since when, its size and confidence. */
   diagnosis: Diagnosis | null;
+  /** The diagnosis of the record that takes the place of the simulated plant. */
+  record: RecordDiagnosis | null;
   notes: (Text)[];
   /** Wall time of each stage in s. */
   seconds: {[name: string]: number};
@@ -3305,43 +3318,6 @@ export interface Text {
   text: string;
 }
 
-/** An error or a warning, and its place in the text. */
-export interface TextError {
-  /** Path of the field, for example faults[0].end. */
-  field: string;
-  /** The value that arrived, shortened. */
-  value: unknown;
-  /** Key of the problem's sentence in the catalogues, GET /api/messages/{language}. */
-  code: string;
-  /** Arguments of both sentences by name. */
-  args: {[name: string]: JsonValue};
-  /** The problem, in the requested language. */
-  problem: string;
-  /** The remedy, in the requested language. */
-  remedy: string;
-  severity: 'error' | 'warning';
-  place: TextPlace;
-  /** The change that corrects it; null: there is no single one. */
-  fix: TextFix | null;
-}
-
-/** A change that corrects an error: these characters are replaced by `text`. */
-export interface TextFix {
-  line: number;
-  column: number;
-  /** Length, line breaks included; 0: a place between two characters. */
-  length: number;
-  text: string;
-}
-
-/** Characters of a text. Lines and columns count from 1; columns and lengths are UTF-16 code units. */
-export interface TextPlace {
-  line: number;
-  column: number;
-  /** Length, line breaks included; 0: a place between two characters. */
-  length: number;
-}
-
 /** The times of the rows: a column, or a period for rows without one. */
 export interface TimeMapping {
   /** The column of times; null: none, the period is used. */
@@ -3452,6 +3428,8 @@ export interface Truth {
   states: (TrueState)[];
   /** Right-hand side of each of these states; for a state of the plant, an expression that is added to its right-hand side. */
   dynamics: {[name: string]: string};
+  /** A record in place of the simulated plant; then nothing else of the truth is given. */
+  record: RecordedTruth | null;
 }
 
 /** The true plant and its sensors, where they differ from the model that observers and the detector know. */
@@ -3468,6 +3446,8 @@ export interface TruthInput {
   states?: (TrueStateInput)[];
   /** Right-hand side of each of these states; for a state of the plant, an expression that is added to its right-hand side. */
   dynamics?: {[name: string]: string};
+  /** A record in place of the simulated plant; then nothing else of the truth is given. */
+  record?: RecordedTruthInput | null;
 }
 
 /** The smallest fault of a channel that would have been found. */

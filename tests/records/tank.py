@@ -13,7 +13,7 @@ from thetascope.records.defects.plausibility import PlantFacts
 from thetascope.records.inspection import Inspected, inspect
 from thetascope.records.readers.formats import read_table
 from thetascope_schemas import Plant
-from thetascope_schemas.service.record_inspection import ColumnMapping
+from thetascope_schemas.experiment.measurement import ColumnMapping
 
 ROOT = Path(__file__).parents[2]
 ROWS = 400

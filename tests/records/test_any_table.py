@@ -11,7 +11,8 @@ from thetascope.records.columns.mapping import quantities_of
 from thetascope.records.document import About, inspection_of, preview_of
 from thetascope.records.inspection import inspect
 from thetascope.records.readers.formats import read_table
-from thetascope_schemas.service.record_inspection import ColumnMapping, RecordInspection
+from thetascope_schemas.experiment.measurement import ColumnMapping
+from thetascope_schemas.service.record_inspection import RecordInspection
 
 CELLS = st.one_of(
     st.floats(width=64).map(repr),

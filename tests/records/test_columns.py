@@ -13,7 +13,7 @@ from thetascope.records.columns.units import choices, conversion, scale_of
 from thetascope.records.document import mapping_document
 from thetascope.records.table import number_column
 from thetascope.records.text.csv_table import table_of_text
-from thetascope_schemas.service.record_inspection import ColumnMapping
+from thetascope_schemas.experiment.measurement import ColumnMapping
 
 CONVERSIONS = [
     ("m", "cm", 100, 0),

@@ -16,15 +16,9 @@ from thetascope.messages import Message
 from thetascope.runs.specs.plant_files import plant_named
 from thetascope.runs.specs.refusals import from_engine, invalid, validated
 from thetascope.settings import load
+from thetascope_schemas.experiment.measurement import RecordSettings
 from thetascope_schemas.experiment.plant import Plant
-from thetascope_schemas.service.record_diagnosis import (
-    FitReport,
-    Interval,
-    RecordDiagnosis,
-    RecordFault,
-    RecordSettings,
-    VisibleFault,
-)
+from thetascope_schemas.service.record_diagnosis import FitReport, Interval, RecordDiagnosis, RecordFault, VisibleFault
 
 _HEAD = ("alarm-at", "fault", "shape", "since", "blank", "size", "blank", "rate", "alternatives")
 _PARAMETERS = ("parameter", "before", "fitted", "std")

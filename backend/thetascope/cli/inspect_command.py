@@ -17,8 +17,9 @@ from thetascope.runs.specs.plant_files import plant_named
 from thetascope.runs.specs.refusals import from_engine, invalid, validated
 from thetascope.runs.specs.spec_files import DocumentError, unreadable
 from thetascope.settings import load
+from thetascope_schemas.experiment.measurement import ColumnMapping
 from thetascope_schemas.experiment.plant import Plant
-from thetascope_schemas.service.record_inspection import ColumnMapping, RecordColumn, RecordInspection
+from thetascope_schemas.service.record_inspection import RecordColumn, RecordInspection
 
 _HEAD = ("column", "first", "lowest", "highest", "use", "unit", "why")
 

@@ -20,7 +20,7 @@ from thetascope.process_settings import collect_as_usual, collect_rarely, use_on
 
 Value = TypeVar("Value")
 
-FORMATS = (".csv", ".json", ".mat", ".html")
+FORMATS = (".csv", ".json", ".mat", ".parquet", ".html")
 COMPARISONS = (".csv", ".json")
 
 

@@ -15,7 +15,7 @@ from thetascope.cli.terminal import Progress, number, table
 from thetascope.cli.words import Words
 from thetascope.engine.errors import Cancelled, SpecError
 from thetascope.engine.model.result import Result
-from thetascope.export import comparison_csv, csv_chunks, json_bytes, matlab_bytes, select
+from thetascope.export import comparison_csv, csv_chunks, json_bytes, matlab_bytes, parquet_bytes, select
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Finished, Job
 from thetascope.runs.jobs.store_rows import record_of
@@ -102,7 +102,7 @@ def compute(job: Job, spec: ResolvedExperiment, settings: Settings, progress: Pr
         allow(spec, prepared.cost, settings.max_steps, settings.max_result)
         job.begin()
         until = time.monotonic() + settings.max_seconds
-        return prepared.run(job.report, lambda: job.cancelled or time.monotonic() > until)
+        return assembly.carry_out(prepared, job.report, lambda: job.cancelled or time.monotonic() > until)
 
     with ThreadPoolExecutor(1) as pool:
         future = pool.submit(work)
@@ -150,7 +150,8 @@ def write(finished: Finished, path: Path, command: str, language: str) -> None:
     elif suffix == ".html":
         path.write_text(report_html(finished, command, language), encoding="utf-8")
     else:
-        path.write_bytes(matlab_bytes(whole) if suffix == ".mat" else json_bytes(whole))
+        writers = {".mat": matlab_bytes, ".parquet": parquet_bytes}
+        path.write_bytes(writers.get(suffix, json_bytes)(whole))
 
 
 def write_comparison(finished: Finished, path: Path) -> None:

@@ -88,17 +88,30 @@ class FigureData:
         return "<i>t</i>" if kind == "t" else symbol(name, HAT if label and kind else "")
 
     def intervals(self, kind: str, name: str) -> list[tuple[float, float]]:
-        """Return when a fault acts on a channel (kind "theta") or a measurement (kind "y"), clipped to the run."""
+        """Return when a fault acts on a channel (kind "theta") or a measurement (kind "y"), clipped to the run.
+
+        The true faults of a record are not known: those that its diagnosis found are taken.
+        """
         end = float(self.t[-1])
+        if self.result.record is not None:
+            mine = [(a, b) for channel, a, b in self._found if (kind, name) == ("theta", channel)]
+            return [(a, min(end if b is None else b, end)) for a, b in mine]
         return [
             (fault.onset, min(end if fault.end is None else fault.end, end))
             for fault in self.spec.faults
             if (fault.site.prefix, fault.site.name) == (kind, name) and fault.onset < end
         ]
 
+    @cached_property
+    def _found(self) -> list[tuple[str, float, float | None]]:
+        """Return channel, onset and end in s of the confirmed faults of a record."""
+        faults = (self.result.record or {}).get("faults", ())
+        return [(f["best"]["channel"], f["best"]["onset"]["value"], f["ended"]) for f in faults if f["confirmed"]]
+
     def changes(self) -> list[float]:
         """Return the times inside the run at which any fault begins or ends."""
-        times = {at for fault in self.spec.faults for at in (fault.onset, fault.end) if at is not None}
+        times = {at for _, *both in self._found for at in both if at is not None}
+        times |= {at for fault in self.spec.faults for at in (fault.onset, fault.end) if at is not None}
         return sorted(at for at in times if 0 < at < self.t[-1])
 
     def truth(self, kind: str, name: str, final: bool = True) -> Line:

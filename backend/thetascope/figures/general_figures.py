@@ -28,12 +28,14 @@ def available(spec, columns: Sequence[str]) -> list[str]:
     labels = list(spec.observer_configs())
     observed = bool(labels)
     estimated = any(column.startswith(f"{label}.theta.") for column in columns for label in labels)
+    unknown = not kinds & {"theta", "x"}  # a record: nobody knows the truth
+    states = any(column.startswith(f"{label}.x.") for column in columns for label in labels)
     offered = [
-        ("faults", "theta" in kinds and (estimated or bool(spec.faults))),
-        ("states", "x" in kinds),
+        ("faults", estimated or "theta" in kinds and bool(spec.faults)),
+        ("states", "x" in kinds or states),
         ("outputs", "y" in kinds),
         ("residuals", observed and "y" in kinds),
-        ("errors", observed),
+        ("errors", observed and not unknown),
         ("inputs", bool(kinds & {"u", "signal"})),
         ("excitation", bool(_excitation_columns(columns, labels))),
     ]
@@ -47,7 +49,8 @@ def _compare(run: FigureData, kind: str) -> list[Strip]:
         shade = run.intervals(kind, item.name) if kind == "theta" else []
         edges = {at for interval in shade for at in interval}
         marks = [at for at in run.changes() if at not in edges]
-        lines = [*run.estimates(kind, item.name), run.truth(kind, item.name)]
+        truth = [run.truth(kind, item.name)] if f"{kind}.{item.name}" in run.columns else []
+        lines = [*run.estimates(kind, item.name), *truth]
         strips.append(Strip(run.time, symbol(item.name), run.caption(kind, item.name), lines, shade=shade, marks=marks))
     return strips
 
@@ -140,7 +143,7 @@ def _inputs(run: FigureData) -> list[Strip]:
     strips = []
     plant = run.plant
     for kind, items in (("r", plant.references), ("u", plant.inputs), ("signal", plant.signals)):
-        for item in items:
+        for item in (item for item in items if f"{kind}.{item.name}" in run.columns):
             line = Line(run.values(f"{kind}.{item.name}"), symbol(item.name), run.theme.ink, framing=True)
             strips.append(Strip(run.time, symbol(item.name), run.caption(kind, item.name), [line], height=72))
     return strips

@@ -15,18 +15,16 @@ from thetascope.records.inspection import Inspected
 from thetascope.records.table import Column
 from thetascope.records.text.moments import NONE
 from thetascope_schemas.experiment.base import Text
+from thetascope_schemas.experiment.measurement import ColumnMapping, QuantityMapping, TimeMapping
 from thetascope_schemas.service.record_inspection import (
-    ColumnMapping,
     MappedQuantity,
     PreviewSeries,
-    QuantityMapping,
     RecordColumn,
     RecordFinding,
     RecordInspection,
     RecordPreview,
     RecordTimes,
     Role,
-    TimeMapping,
 )
 
 _MOST_CURVES = 40

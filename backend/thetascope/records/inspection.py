@@ -16,7 +16,7 @@ from thetascope.records.defects.row_order import Ordered, ordered
 from thetascope.records.defects.sampling import Sampling, sampling_findings, sampling_of
 from thetascope.records.defects.sentinels import sentinels
 from thetascope.records.table import Table
-from thetascope_schemas.service.record_inspection import ColumnMapping
+from thetascope_schemas.experiment.measurement import ColumnMapping
 
 LEAST_ROWS = 3
 LARGEST = 1e30

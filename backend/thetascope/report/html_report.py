@@ -23,7 +23,9 @@ from thetascope.report.comparison_section import comparison
 from thetascope.report.diagnosis_section import diagnosis
 from thetascope.report.observers_section import observers
 from thetascope.report.plant_section import plant_section, timeline
+from thetascope.report.record_section import record
 from thetascope.report.words import ReportContext, mark, number
+from thetascope_schemas.service.record_diagnosis import RecordDiagnosis
 from thetascope_schemas.texts.local_text import ALL
 
 PACKAGES = ("numpy", "scipy", "llvmlite", "sympy", "plotly")
@@ -103,6 +105,7 @@ def report(result, spec, plant, run_meta: Mapping[str, Any], language: str = "en
         plant=plant_section(own),
         timeline=timeline(own),
         diagnosis=diagnosis(own, found, observability(spec.with_plant(plant))) if found else "",
+        record=record(own, RecordDiagnosis.model_validate(result.record)) if result.record else "",
         figures=[drawn["layout"]["meta"] for drawn in figures],
         comparison=comparison(own, compared, summary) if summary else "",
         observers=observers(own) if summary else "",

@@ -78,6 +78,8 @@ def _changed_truth(report: ReportContext, spec: Experiment) -> Markup | str:
 
 def _truth(report: ReportContext, truth: Truth) -> Iterator[Markup]:
     """Yield the ways in which the simulated plant differs from the model."""
+    if truth.record is not None:
+        yield report.say("report.truth.record", name=truth.record.name or "–", id=mark("code", truth.record.id[:12]))
     if truth.deviation:
         yield report.say("report.truth.deviation", percent=number(100 * truth.deviation))
     for name, value in truth.parameters.items():

@@ -21,6 +21,7 @@ def encode(result: Result) -> tuple[str, np.ndarray]:
         "seconds": result.seconds,
         "costs": result.costs,
         "diagnosis": result.diagnosis,
+        "record": result.record,
         "accuracy": result.accuracy and vars(result.accuracy),
     }
     return json.dumps(head, default=plain), np.ascontiguousarray(result.data, dtype="<f8")
@@ -41,6 +42,7 @@ def decode(head: str, data: bytes, rows: int) -> Result:
         seconds=values["seconds"],
         costs=values.get("costs", {}),
         diagnosis=values.get("diagnosis"),
+        record=values.get("record"),
         accuracy=Accuracy(**values["accuracy"]) if values.get("accuracy") else None,
     )
 

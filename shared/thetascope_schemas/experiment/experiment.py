@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Annotated
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, PrivateAttr, Tag, model_validator
 
 from thetascope_schemas.experiment.base import (
     MAX_FAULTS,
@@ -25,7 +25,14 @@ from thetascope_schemas.experiment.base import (
     check_known,
     example,
 )
-from thetascope_schemas.experiment.commands import MAX_COMMANDS, AddObserver, SetTruth, TimedCommand
+from thetascope_schemas.experiment.commands import (
+    MAX_COMMANDS,
+    AddObserver,
+    SetNoise,
+    SetSignal,
+    SetTruth,
+    TimedCommand,
+)
 from thetascope_schemas.experiment.controllers import check_multiple, set_reference
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 from thetascope_schemas.experiment.faults import Fault
@@ -56,10 +63,8 @@ def _no_file(plant: object) -> object:
     return plant
 
 
-PlantName = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}(@[0-9]{1,9})?$")]
-"""Id of a library plant, or of one that the sender has saved; `id@7` is its version 7."""
 PlantChoice = Annotated[
-    Annotated[PlantName, BeforeValidator(_no_file), Tag("library")] | Annotated[Plant, Tag("inline")],
+    Annotated[Identifier, BeforeValidator(_no_file), Tag("library")] | Annotated[Plant, Tag("inline")],
     Discriminator(_plant_kind),
 ]
 
@@ -97,9 +102,7 @@ class Experiment(Strict):
     description: Prose = ""
     source: Prose = Field(default="", description="Source of the experiment, such as a paper and its figure.")
     errata: tuple[Prose, ...] = Field(default=(), max_length=50, description="Errors in the printed source.")
-    plant: PlantChoice = Field(
-        description="Id of a library plant or of one that the sender has saved, or a complete plant."
-    )
+    plant: PlantChoice = Field(description="Id of a library plant, or a complete plant.")
     parameters: dict[Reference, Number] = Field(
         default_factory=dict, description="Parameters that differ from the plant's values."
     )
@@ -181,6 +184,8 @@ class Experiment(Strict):
         Raises:
             pydantic.ValidationError: if the experiment does not fit the plant.
         """
+        if self.truth.record is not None:  # it holds the inputs as they were applied
+            plant = plant.model_copy(update={"controllers": (), "references": ()})
         return ResolvedExperiment.model_validate(
             {name: getattr(self, name) for name in type(self).model_fields} | {"plant": plant}
         )
@@ -326,6 +331,10 @@ class Experiment(Strict):
             if controller.period is not None:
                 check_multiple(controller.period, self.step, f"plant.controllers[{index}].period")
         check_known(self.signals, plant.names("signals"), "signals", "plant.signal.unknown")
+        if self.truth.record is not None:
+            changes = [c for c in self.commands if isinstance(c, SetTruth | SetSignal | SetNoise)]
+            given = {"faults": self.faults, "inputs": self.inputs, "signals": self.signals, "commands": changes}
+            self.truth.record.check(given, self.parameters)
         check_known(self.noise, plant.names("outputs"), "noise", "plant.output.unknown")
         self.truth.check(plant, self.noise, self.measurement, self.step)
         for index, command in enumerate(self.commands):
@@ -334,8 +343,7 @@ class Experiment(Strict):
                 command.truth.check(plant, self.noise, self.measurement, self.step, path)
                 if command.truth.states != self.truth.states:
                     raise refuse("command.truth.states", f"{path}.states", [s.name for s in command.truth.states])
-        for index, fault in enumerate(self.faults):
-            kind, name = fault.site
+        for index, (kind, name) in enumerate(fault.site for fault in self.faults):
             known = plant.names(f"{kind}s")
             if name not in known:
                 field = f"faults[{index}].{kind}"
@@ -377,3 +385,16 @@ class ResolvedExperiment(Experiment):
 
     # A narrower type is sound because instances are frozen, which pyright cannot see in pydantic's configuration.
     plant: Plant = Field(description="The complete plant.")  # pyright: ignore[reportIncompatibleVariableOverride]
+
+    _readings: object | None = PrivateAttr(None)
+
+    @property
+    def readings(self) -> object | None:
+        """Return the rows of the record of `truth.record`; None until they are given by `with_readings`."""
+        return self._readings
+
+    def with_readings(self, readings: object) -> "ResolvedExperiment":
+        """Return this experiment with the rows of its record, an object that equals itself only."""
+        resolved = self.model_copy()
+        resolved._readings = readings
+        return resolved

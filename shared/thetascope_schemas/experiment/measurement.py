@@ -1,7 +1,8 @@
-"""Measurement of the outputs: noise, continuous or sampled; and the truth, where it differs from the model."""
+"""Measurement of the outputs: noise, continuous or sampled; and the truth: where it differs from the model, or a record
+in its place."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sized
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -101,6 +102,137 @@ class TrueSensor(Strict):
         return noise.sample_time if noise else math.nan
 
 
+# ---- a record in place of a simulated truth --------------------------------------------------------------------------
+
+FitMode = Literal["auto", "never", "chosen"]
+Course = Literal["held", "held-before", "linear"]
+RecordId = Annotated[str, Field(pattern=r"^[0-9a-f]{32}$")]
+ColumnName = Annotated[str, Field(max_length=200)]
+TimeUnit = Literal[
+    "s",
+    "ms",
+    "us",
+    "ns",
+    "min",
+    "h",
+    "d",
+    "epoch-s",
+    "epoch-ms",
+    "epoch-us",
+    "epoch-ns",
+    "datetime",
+    "clock",
+    "spreadsheet-days",
+]
+"""A unit of time, or a kind of times: seconds since 1970 and parts of it, dates with times, times of day, and days
+since the end of 1899 as spreadsheets count them."""
+_TIME = {"column": "Time (s)", "unit": "s", "period": None}
+_QUANTITY = {"column": "Level 1 (cm)", "unit": "cm", "factor": None, "offset": None}
+COLUMN_MAPPING = {"time": _TIME, "quantities": {"y1": _QUANTITY}}
+RECORD_SETTINGS = {"healthy": {"begin": 0.0, "end": 290.0}, "false_alarms": 0.01, "fit": "auto", "parameters": []}
+
+
+class TimeMapping(Strict):
+    """The times of the rows: a column, or a period for rows without one."""
+
+    model_config = example(**_TIME)
+    prose = frozenset()  # the unit changes the numbers
+
+    column: ColumnName | None = Field(default=None, description="The column of times; null: none, the period is used.")
+    unit: TimeUnit | None = Field(default=None, description="Unit of the column; null: the guess.")
+    period: Positive | None = Field(
+        default=None, description="Time in s from row to row, if there is no column of times."
+    )
+
+
+class QuantityMapping(Strict):
+    """The column from which an input, signal or output of the plant is read."""
+
+    model_config = example(**_QUANTITY)
+    prose = frozenset()
+
+    column: ColumnName | None = Field(default=None, description="Name of the column; null: the record has none.")
+    unit: Unit | None = Field(
+        default=None, description="Unit of the column; null: the one in the file, or the plant's."
+    )
+    factor: Number | None = Field(
+        default=None, description="Instead of a unit: the plant's value is factor · cell + offset."
+    )
+    offset: Number | None = Field(default=None, description="See `factor`; null: 0.")
+
+
+class ColumnMapping(Strict):
+    """How columns become the time and the quantities of a plant; what is not given is guessed."""
+
+    model_config = example(**COLUMN_MAPPING)
+
+    time: TimeMapping | None = Field(default=None, description="The times; null: the guess.")
+    quantities: dict[Reference, QuantityMapping] = Field(
+        default_factory=dict,
+        max_length=100,
+        description="By name of an input, known signal or output of the plant; others are guessed.",
+    )
+
+
+class Stretch(Strict):
+    """A part of the record, in s after its first row."""
+
+    model_config = example(begin=0.0, end=290.0)
+
+    begin: NonNegative = Field(description="Its beginning in s after the first row.")
+    end: Positive = Field(description="Its end in s after the first row.")
+
+
+class RecordSettings(Strict):
+    """How a record is diagnosed."""
+
+    model_config = example(**RECORD_SETTINGS)
+
+    healthy: Stretch | None = Field(
+        default=None,
+        description="A stretch that is known to be healthy; null: the longest beginning that shows no fault by itself.",
+    )
+    false_alarms: Positive = Field(default=0.01, description="Accepted false alarms per hour.")
+    fit: FitMode = Field(
+        default="auto",
+        description="auto: parameters are fitted on the healthy stretch where one alone lets the model fit clearly "
+        "better; never; chosen: `parameters` are fitted.",
+    )
+    parameters: tuple[Reference, ...] = Field(
+        default=(), max_length=100, description="With chosen: the parameters that are fitted; empty: all."
+    )
+
+
+class RecordedTruth(Strict):
+    """A record that takes the place of the simulated plant and its sensors."""
+
+    model_config = example(id="5f0c1a9e77b24d3c8a6f01234567890b", name="rig-7.csv", between="held")
+    prose = frozenset({"name"})
+
+    id: RecordId = Field(description="Id of the record: the beginning of the SHA-256 of its file.")
+    name: Annotated[str, Field(max_length=200)] = Field(default="", description="Name of the file.")
+    mapping: ColumnMapping = Field(default_factory=ColumnMapping, description="Changes of the guessed mapping.")
+    settings: RecordSettings = Field(default_factory=RecordSettings, description="Settings of its diagnosis.")
+    between: Course = Field(
+        default="held",
+        description="Inputs between two rows: those of the row before, those of the row after (written before they "
+        "changed), or a straight line.",
+    )
+    fitted: tuple[Reference, ...] = Field(
+        default=(),
+        max_length=100,
+        description="Those of the experiment's `parameters` that were fitted on this record: observers use them, and "
+        "the diagnosis fits them again, from the plant's own values.",
+    )
+
+    def check(self, given: Mapping[str, Sized], parameters: Mapping[str, float]) -> None:
+        """Refuse what would change the record, by field of the experiment, and fitted parameters that have no value."""
+        for field, parts in given.items():
+            if parts:
+                raise refuse("experiment.recorded", field, len(parts), part=field)
+        check_known(dict.fromkeys(self.fitted), list(parameters), "truth.record.fitted", "plant.parameter.unknown")
+
+
 class Truth(Strict):
     """The true plant and its sensors, where they differ from the model that observers and the detector know."""
 
@@ -112,6 +244,7 @@ class Truth(Strict):
         states=[{"name": "valve"}],
         dynamics={"valve": "(u - valve)/0.5", "x1": "0.1*(valve - u)"},
     )
+    optional = frozenset({"record"})
 
     deviation: Annotated[float, Field(strict=True, ge=0, le=0.5, allow_inf_nan=False)] = Field(
         default=0.0,
@@ -132,6 +265,10 @@ class Truth(Strict):
         max_length=2 * MAX_STATES,
         description="Right-hand side of each of these states; for a state of the plant, an expression that is added to "
         "its right-hand side.",
+    )
+
+    record: RecordedTruth | None = Field(
+        default=None, description="A record in place of the simulated plant; then nothing else of the truth is given."
     )
 
     @property
@@ -156,6 +293,8 @@ class Truth(Strict):
 
         `step`: the integration step in s; `path`: path of the field.
         """
+        if self.record is not None and Truth(record=self.record) != self:
+            raise refuse("truth.record.alone", f"{path}.record", self.record.id)
         check_known(self.parameters, plant.names("parameters"), f"{path}.parameters", "plant.parameter.unknown")
         for item in plant.parameters:
             if item.name in self.parameters:

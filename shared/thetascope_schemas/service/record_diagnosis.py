@@ -4,15 +4,14 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from thetascope_schemas.experiment.base import Flag, NonNegative, Number, Positive, Reference, Strict, example
+from thetascope_schemas.experiment.base import Flag, Number, Reference, Strict, example
 from thetascope_schemas.experiment.diagnosis import MaybeSentence, Sentence
 from thetascope_schemas.experiment.experiment import PlantChoice
-from thetascope_schemas.service.record_inspection import ColumnMapping
+from thetascope_schemas.experiment.measurement import RECORD_SETTINGS, ColumnMapping, Course, RecordSettings
 
 Verdict = Literal["fits", "fits-after-fit", "does-not-fit"]
 Shape = Literal["step", "ramp", "drift", "rise", "plateau"]
 SuspectKind = Literal["time", "output", "offset", "fahrenheit", "input", "swap-inputs", "swap-outputs", "parameter"]
-FitMode = Literal["auto", "never", "chosen"]
 
 
 def _text(code: str, text: str, **args: Any) -> dict[str, Any]:
@@ -20,7 +19,6 @@ def _text(code: str, text: str, **args: Any) -> dict[str, Any]:
 
 
 _HEALTHY = {"begin": 0.0, "end": 290.0, "given": False, "rows": 290}
-_SETTINGS = {"healthy": {"begin": 0.0, "end": 290.0}, "false_alarms": 0.01, "fit": "auto", "parameters": []}
 _INTERVAL = {"value": 1.001, "low": 0.983, "high": 1.02}
 _CANDIDATE = {
     "channel": "offset",
@@ -87,39 +85,10 @@ _FIT = {
 _DECISION = {"t": 300.0, "statistic": 428.0, "judged": 310.0, "action": "added", "channel": "offset", "onset": 300.0}
 
 
-class Stretch(Strict):
-    """A part of the record, in s after its first row."""
-
-    model_config = example(begin=0.0, end=290.0)
-
-    begin: NonNegative = Field(description="Its beginning in s after the first row.")
-    end: Positive = Field(description="Its end in s after the first row.")
-
-
-class RecordSettings(Strict):
-    """How a record is diagnosed."""
-
-    model_config = example(**_SETTINGS)
-
-    healthy: Stretch | None = Field(
-        default=None,
-        description="A stretch that is known to be healthy; null: the longest beginning that shows no fault by itself.",
-    )
-    false_alarms: Positive = Field(default=0.01, description="Accepted false alarms per hour.")
-    fit: FitMode = Field(
-        default="auto",
-        description="auto: parameters are fitted on the healthy stretch where one alone lets the model fit clearly "
-        "better; never; chosen: `parameters` are fitted.",
-    )
-    parameters: tuple[Reference, ...] = Field(
-        default=(), max_length=100, description="With chosen: the parameters that are fitted; empty: all."
-    )
-
-
 class RecordDiagnosisRequest(Strict):
     """The plant of a stored record, the mapping of its columns, and how it is to be diagnosed."""
 
-    model_config = example(plant="dts200", mapping={"time": None, "quantities": {}}, settings=_SETTINGS)
+    model_config = example(plant="dts200", mapping={"time": None, "quantities": {}}, settings=RECORD_SETTINGS)
 
     plant: PlantChoice = Field(description="Id of a library plant, or a complete plant.")
     mapping: ColumnMapping = Field(default_factory=ColumnMapping, description="Changes of the guessed mapping.")
@@ -337,6 +306,21 @@ class SimulatedOutputs(Strict):
     )
 
 
+class Innovations(Strict):
+    """The innovations of the filter without faults in their standard deviations, for drawing.
+
+    The model may err where they leave ±2 for long.
+    """
+
+    model_config = example(t=[0.0, 10.0], low={"y": [-1.9, -2.1]}, high={"y": [2.2, 1.8]})
+
+    t: tuple[Number, ...] = Field(description="Beginnings of intervals of time, in s after the first row.")
+    low: dict[Reference, tuple[Number | None, ...]] = Field(
+        description="Smallest in each interval, by output; null: it has no reading."
+    )
+    high: dict[Reference, tuple[Number | None, ...]] = Field(description="Largest in each interval, by output.")
+
+
 class RecordDiagnosis(Strict):
     """The diagnosis of a record."""
 
@@ -374,4 +358,11 @@ class RecordDiagnosis(Strict):
         default=None,
         description="The simulation from the healthy stretch's first row on, to compare with the readings.",
     )
+    innovations: Innovations | None = Field(
+        default=None, description="Innovations from the healthy stretch's first row on."
+    )
+    initial: dict[Reference, Number] = Field(
+        default_factory=dict, description="The estimated state in the healthy stretch's first row."
+    )
+    between: Course = Field(default="held", description="Course of the inputs between two rows that fits best.")
     notes: tuple[Sentence, ...] = Field(default=(), description="Assumptions and limitations.")

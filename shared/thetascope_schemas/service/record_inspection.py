@@ -4,40 +4,23 @@ A file is uploaded (POST /api/records), inspected, mapped to the quantities of a
 (GET …/preview), and diagnosed. Rows and columns are numbered as in the file, from 1 on.
 """
 
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from pydantic import Field, JsonValue
 
-from thetascope_schemas.experiment.base import Flag, Number, Positive, Reference, Strict, Unit, example
+from thetascope_schemas.experiment.base import Flag, Number, Strict, example
 from thetascope_schemas.experiment.diagnosis import MaybeSentence, Sentence
 from thetascope_schemas.experiment.experiment import PlantChoice
+from thetascope_schemas.experiment.measurement import (
+    COLUMN_MAPPING,
+    ColumnMapping,
+    ColumnName,
+    QuantityMapping,
+)
 
-ColumnName = Annotated[str, Field(max_length=200)]
 Role = Literal["time", "input", "signal", "output", "unused"]
 ColumnKind = Literal["number", "datetime", "text", "empty", "constant", "index"]
-TimeUnit = Literal[
-    "s",
-    "ms",
-    "us",
-    "ns",
-    "min",
-    "h",
-    "d",
-    "epoch-s",
-    "epoch-ms",
-    "epoch-us",
-    "epoch-ns",
-    "datetime",
-    "clock",
-    "spreadsheet-days",
-]
-"""A unit of time, or a kind of times: seconds since 1970 and parts of it, dates with times, times of day, and days
-since the end of 1899 as spreadsheets count them."""
 Severity = Literal["note", "changed", "doubtful", "wrong"]
-
-_TIME = {"column": "Time (s)", "unit": "s", "period": None}
-_QUANTITY = {"column": "Level 1 (cm)", "unit": "cm", "factor": None, "offset": None}
-_MAPPING = {"time": _TIME, "quantities": {"y1": _QUANTITY}}
 
 
 def _text(code: str, text: str, **args: Any) -> dict[str, Any]:
@@ -89,46 +72,6 @@ _FINDING = {
     "treatment": _text("record.treatment.gap", "there are no rows: the filter predicts across it"),
     "proposal": None,
 }
-
-
-class TimeMapping(Strict):
-    """The times of the rows: a column, or a period for rows without one."""
-
-    model_config = example(**_TIME)
-
-    column: ColumnName | None = Field(default=None, description="The column of times; null: none, the period is used.")
-    unit: TimeUnit | None = Field(default=None, description="Unit of the column; null: the guess.")
-    period: Positive | None = Field(
-        default=None, description="Time in s from row to row, if there is no column of times."
-    )
-
-
-class QuantityMapping(Strict):
-    """The column from which an input, signal or output of the plant is read."""
-
-    model_config = example(**_QUANTITY)
-
-    column: ColumnName | None = Field(default=None, description="Name of the column; null: the record has none.")
-    unit: Unit | None = Field(
-        default=None, description="Unit of the column; null: the one in the file, or the plant's."
-    )
-    factor: Number | None = Field(
-        default=None, description="Instead of a unit: the plant's value is factor · cell + offset."
-    )
-    offset: Number | None = Field(default=None, description="See `factor`; null: 0.")
-
-
-class ColumnMapping(Strict):
-    """How columns become the time and the quantities of a plant; what is not given is guessed."""
-
-    model_config = example(**_MAPPING)
-
-    time: TimeMapping | None = Field(default=None, description="The times; null: the guess.")
-    quantities: dict[Reference, QuantityMapping] = Field(
-        default_factory=dict,
-        max_length=100,
-        description="By name of an input, known signal or output of the plant; others are guessed.",
-    )
 
 
 class MappingRequest(Strict):
@@ -251,7 +194,7 @@ class RecordInspection(Strict):
         },
         columns=[_COLUMN],
         quantities=[_TAKEN],
-        mapping=_MAPPING,
+        mapping=COLUMN_MAPPING,
         findings=[_FINDING],
         checked=[_text("record.checked.frozen", "nothing is frozen")],
         plant_text=None,

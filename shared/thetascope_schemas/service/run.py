@@ -11,6 +11,7 @@ from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.service.comparison import Comparison
 from thetascope_schemas.service.facts import Facts
 from thetascope_schemas.service.field_error import FieldError
+from thetascope_schemas.service.record_diagnosis import RecordDiagnosis
 
 Status = Literal["queued", "running", "done", "failed", "cancelled"]
 
@@ -187,6 +188,9 @@ class RunSummary(Strict):
     comparison: Comparison | None = Field(default=None, description="The observers compared on the same data.")
     diagnosis: Diagnosis | None = Field(
         default=None, description="The diagnosis: which fault, since when, its size and confidence."
+    )
+    record: RecordDiagnosis | None = Field(
+        default=None, description="The diagnosis of the record that takes the place of the simulated plant."
     )
     notes: tuple[Text, ...] = ()
     seconds: dict[str, Number] = Field(default_factory=dict, description="Wall time of each stage in s.")

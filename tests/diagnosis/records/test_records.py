@@ -10,7 +10,8 @@ from tests.diagnosis.records.rigs import TANK, heaters, since, tank, three_tanks
 from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, fitted_plant
 from thetascope.diagnosis.recording import Recording
 from thetascope_schemas import Plant
-from thetascope_schemas.service.record_diagnosis import RecordDiagnosis, RecordSettings, Stretch
+from thetascope_schemas.experiment.measurement import RecordSettings, Stretch
+from thetascope_schemas.service.record_diagnosis import RecordDiagnosis
 
 
 def diagnosed(plant: Plant, recording: Recording, healthy: float | None = None, fit: str = "auto") -> RecordDiagnosis:

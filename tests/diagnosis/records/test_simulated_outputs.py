@@ -4,7 +4,7 @@ import numpy as np
 
 from tests.diagnosis.records.rigs import TANK, since, tank
 from thetascope.assembly.analyses.record_diagnosis import diagnose_recording
-from thetascope_schemas.service.record_diagnosis import RecordSettings
+from thetascope_schemas.experiment.measurement import RecordSettings
 
 
 def test_the_simulation_follows_the_readings_until_a_fault_moves_them() -> None:

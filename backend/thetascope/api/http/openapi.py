@@ -10,7 +10,7 @@ from thetascope.api.http.request_bodies import EquationsRequest, ForkRequest, Se
 from thetascope.runs.specs.run_requests import RunRequest
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
-from thetascope_schemas.service.record import Record
+from thetascope_schemas.service.record import Record, RecordRunRequest
 from thetascope_schemas.service.record_diagnosis import RecordDiagnosisRequest
 from thetascope_schemas.service.record_inspection import MappingRequest
 from thetascope_schemas.service.run import Problem
@@ -34,6 +34,7 @@ BODIES = (
     Record,
     MappingRequest,
     RecordDiagnosisRequest,
+    RecordRunRequest,
     RunRequest,
     SessionRequest,
     ForkRequest,

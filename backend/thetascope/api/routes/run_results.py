@@ -10,7 +10,16 @@ from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.services import Use
 from thetascope.api.routes import table_query
-from thetascope.export import MEDIA_TYPES, Table, comparison_csv, csv_chunks, json_bytes, matlab_bytes, select
+from thetascope.export import (
+    MEDIA_TYPES,
+    Table,
+    comparison_csv,
+    csv_chunks,
+    json_bytes,
+    matlab_bytes,
+    parquet_bytes,
+    select,
+)
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Finished
 from thetascope.runs.results.comparison_rows import compared
@@ -35,7 +44,7 @@ REPORT_POLICY = (
     "/data",
     response_class=Response,
     responses={
-        200: table_query.tables("csv", "json", "mat"),
+        200: table_query.tables("csv", "json", "mat", "parquet"),
         304: {"description": "Unchanged."},
         **documented(404, 409, 422, 429),
     },
@@ -44,7 +53,7 @@ async def get_data(
     request: Request,
     id: str,
     services: Use,
-    format: Literal["csv", "json", "mat"] = "csv",
+    format: Literal["csv", "json", "mat", "parquet"] = "csv",
     encoding: Annotated[Literal["plain", "bdata"], Query(description="json: numbers, or base64 of float64.")] = "plain",
     columns: table_query.Names = None,
     start: table_query.First = None,
@@ -52,10 +61,10 @@ async def get_data(
     every: Annotated[int, Query(ge=1, description="Return every n-th row.")] = 1,
     points: Annotated[int | None, Query(ge=1, description="Return at most this many rows, evenly spaced.")] = None,
 ) -> Response:
-    """Return the recorded columns as CSV, JSON or MATLAB .mat (where dots in names become underscores).
+    """Return the recorded columns as CSV, JSON, Parquet or MATLAB .mat (where dots in names become underscores).
 
-    CSV and JSON numbers read back to exactly the same float64. Missing values (after a divergence) are `nan` in CSV and
-    null in JSON.
+    Numbers read back to exactly the same float64. Missing values (after a divergence, in the gaps of a record) are
+    `nan` in CSV and null in JSON and Parquet.
     """
     table_query.check(start, end)
     tag = f'"{id}-{engine_version()}"'
@@ -150,5 +159,7 @@ def _written(table: Table, format: str, encoding: str, headers: dict[str, str]) 
     kind = MEDIA_TYPES[format]
     if format == "csv":
         return StreamingResponse(csv_chunks(table), 200, headers, kind)
+    if format == "parquet":
+        return Response(parquet_bytes(table), 200, headers, kind)
     content = matlab_bytes(table) if format == "mat" else json_bytes(table, encoding)
     return Response(content, 200, headers, kind)

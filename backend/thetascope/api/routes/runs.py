@@ -14,7 +14,7 @@ from thetascope.api.http.computed import check_cpu, first_of, limits_for
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed
-from thetascope.api.http.services import Use
+from thetascope.api.http.services import Services, Use
 from thetascope.api.operation.request_log import audit
 from thetascope.runs.jobs.job import Job, Snapshot
 from thetascope.runs.specs.run_requests import parse_request
@@ -56,7 +56,14 @@ async def create_run(request: Request, services: Use, language: Language, wait: 
     def submit(data: object) -> Snapshot | Job:
         return services.runs.submit(parse_request(data), by, most)
 
-    started = await parsed(request, settings.max_body, submit)
+    return await answered(request, services, language, await parsed(request, settings.max_body, submit), wait)
+
+
+async def answered(
+    request: Request, services: Services, language: str, started: Snapshot | Job, wait: float | None = None
+) -> Response:
+    """Return the answer to a request for a run that was submitted: the run, or its progress if it takes longer."""
+    settings = services.settings
     if isinstance(started, Snapshot):
         return run_response(started, language)
     try:

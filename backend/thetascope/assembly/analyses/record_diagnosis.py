@@ -6,6 +6,7 @@ import numpy as np
 import orjson
 
 from thetascope.assembly.analyses import record_words as words
+from thetascope.assembly.analyses.record_curves import curves, statistic
 from thetascope.assembly.analyses.record_inspection import inspected_file, recording_in
 from thetascope.diagnosis.recording import Recording
 from thetascope.diagnosis.records.diagnose import (
@@ -18,18 +19,16 @@ from thetascope.diagnosis.records.diagnose import (
 )
 from thetascope.diagnosis.records.findings import Candidate, Estimate, RecordFault
 from thetascope.diagnosis.records.fit_check import FitCheck
-from thetascope.diagnosis.records.model import first_noise, start_of
 from thetascope.diagnosis.records.naming import EQUAL
 from thetascope.diagnosis.sentences import joined
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
 from thetascope_schemas import Plant
+from thetascope_schemas.experiment.measurement import ColumnMapping
+from thetascope_schemas.experiment.measurement import RecordSettings as Settings
 from thetascope_schemas.service.record_diagnosis import RecordDiagnosis, RecordFit
-from thetascope_schemas.service.record_diagnosis import RecordSettings as Settings
-from thetascope_schemas.service.record_inspection import ColumnMapping
 
 FEWEST_ROWS = 100  # of a record
-_POINTS = 800  # of the curve of the statistic
 _STRONG = 4.0  # times the threshold: a fault that the healthy stretch does not cover counts only above it
 
 
@@ -132,8 +131,9 @@ def _report(plant: Plant, answer: RecordAnswer) -> dict:
         "false_alarms": answer.rate,
         "rows": len(answer.rows.t),
         "duration": float(answer.rows.t[-1] - answer.rows.t[0]),
-        "statistic": _curve(answer),
-        "simulated": _simulated(plant, answer),
+        "statistic": statistic(answer),
+        **curves(plant, answer),
+        "between": answer.course,
         "notes": _notes(answer),
     }
 
@@ -326,37 +326,6 @@ def _decision(plant: Plant, answer: RecordAnswer, decision) -> dict:
         "channel": _title(plant, answer, event.channel)[0],
         "onset": event.onset,
     }
-
-
-def _curve(answer: RecordAnswer) -> dict | None:
-    """Return the statistic along the record, the largest in each interval."""
-    if not len(answer.statistic):
-        return None
-    edges = _places(len(answer.statistic))
-    return {
-        "t": answer.rows.t[edges].tolist(),
-        "largest": np.maximum.reduceat(answer.statistic, edges).tolist(),
-    }
-
-
-def _simulated(plant: Plant, answer: RecordAnswer) -> dict:
-    """Return the outputs of a simulation from the first judged row on, thinned; its start fits the first rows."""
-    model, rows = answer.model, answer.rows
-    with np.errstate(all="ignore"):
-        start = start_of(model, rows, first_noise(model, rows))
-        _, y = model.filter.simulate(rows, start.x)
-    places = _places(len(rows.t))
-    columns = np.where(np.isfinite(y[places]), y[places], np.nan).T
-    outputs = {
-        name: [None if np.isnan(value) else float(value) for value in column]
-        for name, column in zip(plant.names("outputs"), columns, strict=True)
-    }
-    return {"t": rows.t[places].tolist(), "outputs": outputs}
-
-
-def _places(rows: int) -> np.ndarray:
-    """Return the rows at which intervals of a curve begin."""
-    return np.unique(np.linspace(0, rows, _POINTS + 1).astype(int))[:-1]
 
 
 def _notes(answer: RecordAnswer) -> list[Message]:

@@ -21,7 +21,8 @@ from thetascope.records.inspection import Inspected, inspect
 from thetascope.records.readers.formats import read_table
 from thetascope.records.table import MOST_BYTES, Table
 from thetascope_schemas import Plant, ResolvedExperiment
-from thetascope_schemas.service.record_inspection import ColumnMapping, RecordInspection, RecordPreview
+from thetascope_schemas.experiment.measurement import ColumnMapping
+from thetascope_schemas.service.record_inspection import RecordInspection, RecordPreview
 
 _INTEGRATOR = 1e-3  # eigenvalues below this share of the largest belong to integrators
 

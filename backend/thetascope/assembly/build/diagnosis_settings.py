@@ -45,11 +45,11 @@ def calibration_key(spec: ResolvedExperiment, observers: tuple[ObserverConfig, .
 def inspector(
     spec: ResolvedExperiment, cancelled: Callable[[], bool] | None = None
 ) -> Callable[[Parts, Result], Result] | None:
-    """Return a function that adds the diagnosis to a run's result; None if diagnosis is disabled.
+    """Return a function that adds the diagnosis to a run's result; None if diagnosis is disabled, and for a record.
 
     The function raises Cancelled soon after ``cancelled`` returns True.
     """
-    if not spec.diagnosis.enabled:
+    if not spec.diagnosis.enabled or spec.truth.record is not None:  # a record has a diagnosis of its own
         return None
 
     def check() -> None:

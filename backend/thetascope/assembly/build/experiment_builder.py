@@ -6,10 +6,10 @@ from thetascope.assembly.build.healthy import healthy_run_of
 from thetascope.assembly.build.loop_builder import loop_of
 from thetascope.assembly.build.observer_builder import estimator, plant_context
 from thetascope.assembly.build.signal_builder import initial_state, plant_parameters, signals_of
-from thetascope.assembly.build.step_counts import multiple
 from thetascope.assembly.build.truth_builder import with_truth
 from thetascope.engine.errors import SpecError
 from thetascope.engine.inputs.sensors import Measurement
+from thetascope.engine.inputs.time_grid import multiple
 from thetascope.engine.observers.support.scales import HealthyRun
 from thetascope.engine.programs.program_store import plant_program
 from thetascope.engine.simulation.experiment import Experiment as Engine

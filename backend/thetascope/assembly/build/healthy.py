@@ -4,14 +4,14 @@ import numpy as np
 
 from thetascope.assembly.build.diagnosis_settings import span
 from thetascope.assembly.build.loop_builder import loop_of
-from thetascope.assembly.build.signal_builder import nominal_state, plant_parameters, signals_of
+from thetascope.assembly.build.signal_builder import initial_state, nominal_state, plant_parameters, signals_of
 from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.observers.support.scales import HealthyRun, Scales
 from thetascope.engine.programs.program_store import plant_program
 from thetascope.engine.simulation.healthy_run import healthy_run
 from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
-from thetascope_schemas.experiment.measurement import ContinuousMeasurement, Truth
+from thetascope_schemas.experiment.measurement import ContinuousMeasurement, RecordedTruth, RecordSettings, Truth
 
 
 def healthy_run_of(spec: ResolvedExperiment, data: dict) -> HealthyRun:
@@ -28,6 +28,8 @@ def healthy_run_of(spec: ResolvedExperiment, data: dict) -> HealthyRun:
         step = spec.plant.time.period if spec.plant.time.kind == "discrete" else spec.step
         steps = max(1, round(span(spec) / step))
         start, parameters = nominal_state(spec.plant), plant_parameters(spec)
+        if spec.truth.record is not None:
+            start = initial_state(spec)
         outputs = tuple(f"y.{o.name}" for o in spec.plant.outputs)
         quiet = Measurement(outputs, (0.0,) * len(outputs), (step,) * len(outputs), 0)
         loop = loop_of(spec, data, step, quiet, nominal=True)
@@ -40,13 +42,13 @@ def _key(spec: ResolvedExperiment) -> str:
     """Return the hash of everything that the healthy run depends on."""
     changes = {
         "seed": 0,
-        "initial": {},
+        "initial": {} if spec.truth.record is None else spec.initial,
         "horizon": span(spec),
         "record": spec.step,
         "evaluate": spec.step,
         "substeps": None,
         "measurement": ContinuousMeasurement(),
-        "truth": Truth(),
+        "truth": Truth(record=_rows_only(spec.truth.record)),
         "observers": (),
         "commands": (),
         "faults": (),
@@ -54,3 +56,8 @@ def _key(spec: ResolvedExperiment) -> str:
         "figures": (),
     }
     return spec.model_copy(update=changes).spec_hash()
+
+
+def _rows_only(record: RecordedTruth | None) -> RecordedTruth | None:
+    """Return a record without the settings of its diagnosis."""
+    return None if record is None else record.model_copy(update={"settings": RecordSettings(), "fitted": ()})

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from thetascope.assembly.build.step_counts import multiple
 from thetascope.engine.inputs.sensors import Measurement
+from thetascope.engine.inputs.time_grid import multiple
 from thetascope.engine.model.true_plant import true_states
 from thetascope.engine.programs.program_store import closed_loop_program
 from thetascope.engine.simulation.loop import Loop

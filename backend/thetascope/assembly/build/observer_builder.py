@@ -5,8 +5,9 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from thetascope.assembly.build.gain_values import gain_values, parameters, size_of
-from thetascope.assembly.build.step_counts import multiple
+from thetascope.assembly.build.recorded_truth import on_record
 from thetascope.engine.errors import SpecError
+from thetascope.engine.inputs.time_grid import multiple
 from thetascope.engine.observers.registry import observer
 from thetascope.engine.observers.support.declaration import Context, Observer, Option
 from thetascope.engine.observers.support.scales import HealthyRun
@@ -66,7 +67,8 @@ def _estimator(
     written = observer_program(data, kind, channels, sizes, options)
     numbers = _numbers(gains, config, spec, channels)
     numbers["g.period"] = context.period
-    return Estimator(config.label, kind, written.program, channels, numbers, written.facts, context, every)
+    built = Estimator(config.label, kind, written.program, channels, numbers, written.facts, context, every)
+    return on_record(built, spec, "period" in config.options)
 
 
 def refuse_unknown(field: str, given: Mapping[str, object], known: Iterable[str], problem: Message) -> None:
@@ -114,6 +116,8 @@ def _sample_every(kind: Observer, config: ObserverConfig, spec: ResolvedExperime
         return multiple(float(period), step, "options.period")
     if spec.measurement.mode == "sampled":
         return multiple(spec.measurement.period, step, "options.period")
+    if spec.truth.record is not None:
+        return 1
     # continuous measurement: no finer than the noise, which is the same over its sample time
     return multiple(max([n.sample_time for n in spec.noise.values()] or [10 * step]), step, "options.period")
 
@@ -179,7 +183,10 @@ def _numbers(
         numbers |= parameters(name, value)
     plant = spec.plant
     numbers |= {f"m.{p.name}": spec.parameters.get(p.name, p.value) for p in plant.parameters}
-    start = {f"x0.{s.name}": s.initial for s in plant.states} | {f"theta0.{c}": 0.0 for c in channels}
+    begin = {} if spec.truth.record is None else spec.initial  # a record has no true initial state
+    start = {f"x0.{s.name}": begin.get(s.name, s.initial) for s in plant.states} | {
+        f"theta0.{c}": 0.0 for c in channels
+    }
     bare = {name.partition(".")[2]: name for name in start}
     refuse_unknown("initial", config.initial, bare, Message("observer.initial.unknown"))
     return numbers | start | {bare[name]: float(value) for name, value in config.initial.items()}

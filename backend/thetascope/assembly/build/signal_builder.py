@@ -5,6 +5,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from thetascope.assembly.build.recorded_truth import recorded_signals
 from thetascope.engine.errors import SpecError
 from thetascope.engine.inputs import fault_signals, signals
 from thetascope_schemas import Input, Plant, ResolvedExperiment
@@ -35,6 +36,8 @@ def signals_of(
     """
     built, plant = {}, spec.plant
     controlled = plant.controlled
+    if spec.truth.record is not None and not known:
+        known = recorded_signals(spec)
 
     def commanded(name: str, item: Input | SetPoint) -> signals.Signal:
         given = spec.inputs.get(item.name)

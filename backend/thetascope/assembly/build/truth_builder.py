@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from thetascope.assembly.build.loop_builder import loop_of
+from thetascope.assembly.build.recorded_truth import with_record
 from thetascope.assembly.build.signal_builder import plant_parameters
 from thetascope.engine.inputs import random_streams
 from thetascope.engine.inputs.sampling import Sampling
@@ -26,6 +27,8 @@ def with_truth(model: Engine, spec: ResolvedExperiment) -> Engine:
     truth = spec.truth
     if truth == Truth():
         return model
+    if truth.record is not None:
+        return with_record(model, spec)
     noise = {f"{PROCESS_NOISE}{name}": std for name, std in truth.process_noise.items() if std > 0}
     added = {name: sensor.adds for name, sensor in truth.outputs.items() if sensor.adds is not None}
     plant, data = model.plant, spec.plant.model_dump(mode="json")

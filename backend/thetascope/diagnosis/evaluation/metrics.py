@@ -236,13 +236,20 @@ def settling(
 
 
 def final_values(result: Columns, label: str, last: float = LAST) -> dict[str, dict[str, float | None]]:
-    """Return by channel truth, estimate and error at the last row; mean and std of the error over the last share."""
+    """Return by channel truth, estimate and error at the last row; mean and std of the error over the last share.
+
+    Of a record, whose truth is not known, the estimate, and its own std over the last share.
+    """
     t, answer = result.column("t"), {}
     rows = t >= t[-1] - last * (t[-1] - t[0])
     for channel in names_after(result, f"{label}.theta."):
-        if f"theta.{channel}" not in result.names:
+        estimate = result.column(f"{label}.theta.{channel}")
+        if f"theta.{channel}" not in result.names:  # a record
+            spread = _number(estimate[rows].std())
+            ending = {"truth": None, "estimate": _number(estimate[-1]), "error": None}
+            answer[channel] = ending | {"mean_error": None, "std": spread}
             continue
-        truth, estimate = result.column(f"theta.{channel}"), result.column(f"{label}.theta.{channel}")
+        truth = result.column(f"theta.{channel}")
         with np.errstate(over="ignore", invalid="ignore"):
             tail = (estimate - truth)[rows]
             mean, std = tail.mean(), tail.std()

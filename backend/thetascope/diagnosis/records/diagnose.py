@@ -11,7 +11,6 @@ from thetascope.diagnosis.records.findings import RecordFault, final_faults
 from thetascope.diagnosis.records.fit_check import Finding, FitCheck
 from thetascope.diagnosis.records.follow import Decision, Follower
 from thetascope.diagnosis.records.model import (
-    HELD,
     RecordModel,
     enough_steps,
     first_noise,
@@ -31,6 +30,7 @@ from thetascope.diagnosis.records.parameter_fit import (
 )
 from thetascope.engine.filtering.bundles import Rows
 from thetascope.engine.filtering.record_filter import part_of
+from thetascope.engine.inputs.readings import HELD
 
 SEEN = 1.5  # typical sizes: faults of this size must be visible in the healthy stretch
 _USUAL = 30.0  # threshold with which visible faults are judged before that of the record is known
@@ -72,6 +72,7 @@ class RecordAnswer:
         faults: findings, in the order of their onsets; `decisions`: how they came about.
         smallest: (channels,), the smallest step that would have been found in the healthy stretch; ∞ for none.
         statistic: (rows,), the largest one of each row, under the faults known by then; empty if it does not fit.
+        course: of the inputs between rows: HELD, HELD_BEFORE or LINEAR.
     """
 
     model: RecordModel
@@ -90,6 +91,7 @@ class RecordAnswer:
     decisions: tuple[Decision, ...] = ()
     smallest: np.ndarray = field(default_factory=lambda: np.zeros(0))
     statistic: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    course: str = HELD
 
     def covered(self, onset: float) -> bool:
         """Return whether the healthy stretch covers inputs, and changes of inputs, as large as those at an onset."""
@@ -177,6 +179,7 @@ def diagnose(
         suspects=tuple(suspects),
         smallest=state.smallest,
         rate=settings.false_alarms,
+        course=course,
     )
     return _followed(state, settings, answer, progress) if state.check.fits else answer
 

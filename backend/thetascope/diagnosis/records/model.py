@@ -12,10 +12,8 @@ from thetascope.engine.compiler.system import DISCRETE, Program
 from thetascope.engine.filtering.bundles import Noise, Rows
 from thetascope.engine.filtering.linear import solved
 from thetascope.engine.filtering.record_filter import RecordFilter, part_of
+from thetascope.engine.inputs.readings import HELD, HELD_BEFORE, LINEAR
 from thetascope.engine.programs.program_store import plant_program
-
-HELD, HELD_BEFORE, LINEAR = "held", "held-before", "linear"
-"""Inputs between rows: those of the row before, of the row after (recorded before they changed), or interpolated."""
 
 _EDGE = 1e-3  # of a state's scale: distance from the edge of its domain at which derivatives are taken
 _READ = 10  # readings, at least, of an output that shows a state

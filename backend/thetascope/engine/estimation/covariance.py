@@ -140,6 +140,8 @@ def _seen(
         if place is not None:
             inputs[name] = states[:, place]
             continue
+        if name in inputs:
+            continue
         bare = name.split(".", 1)[1] if name.startswith(("now.", "mid.", "end.")) else name
         inputs[name] = rows.y[:, outputs[bare]] if bare in outputs else values[bare]
     return inputs

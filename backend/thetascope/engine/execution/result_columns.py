@@ -133,8 +133,12 @@ def _over(numbers: list[float], counts: list[int]) -> np.ndarray | float:
 
 
 def plant_columns(e: Experiment, values: dict, plant: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the plant's columns in their order: t, u, signal, r, x, c, theta, y."""
+    """Return the plant's columns in their order: t, u, signal, r, x, c, theta, y; of a record t, u, signal and y."""
     columns = {"t": values["t"]} | {n: values[n] for n in e.given}
+    if e.recorded:
+        present = [values.get(f"present.{n}", 1.0) for n in e.plant.outputs]
+        readings = zip(e.plant.outputs, y.T, present, strict=True)
+        return columns | {n: np.where(np.asarray(there) > 0, column, np.nan) for n, column, there in readings}
     columns |= {s: plant[:, j] for j, s in enumerate(e.plant.states)}
     columns |= {n: values[n] for n in (e.loop.controller_states if e.loop is not None else ())}
     columns |= {n: values[n] for n in e.signals if n.startswith("theta.")}

@@ -1,7 +1,11 @@
 """Tables of signal values for kernels: one per segment for held signals, one per stage of each step for others."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
+from thetascope.engine.compiler.graph import variables
+from thetascope.engine.compiler.system import Program
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.inputs.time_grid import Grid
 
@@ -49,6 +53,40 @@ class Tables:
                     values[place] = signal(_times(g, place), g.anchor)
                 table[:, stage, j] = values[place]
         return table
+
+
+def sample_table(
+    program: Program,
+    signals: Mapping[str, Signal],
+    intervals: tuple[np.ndarray, np.ndarray, float],
+    known: Mapping[str, np.ndarray],
+) -> tuple[tuple[str, ...], np.ndarray]:
+    """Return the inputs of an observer over each sample interval, as names and a table (intervals, 1, names).
+
+    Inputs are those at the start, in the middle and at the end (left limit), and at the sample instant (right limit).
+
+    Args:
+        program: of the observer.
+        signals: by name.
+        intervals: their begins and ends in s, and the base step in s.
+        known: values at the ends by name, which are taken in place of signals: y; in a closed loop the applied u, as
+            means over the intervals; the length of the intervals.
+    """
+    (begin, end, step), tiny = intervals, 1e-4
+    middle = 0.5 * (begin + end)
+    places = {
+        "": (begin, begin + tiny * step),
+        "mid.": (middle, middle + tiny * step),
+        "end.": (end, end - tiny * step),
+        "now.": (end, end + tiny * step),
+    }
+    names = tuple(sorted(variables(program.graph, program.update) & set(program.inputs)))
+    table = np.empty((len(begin), 1, max(1, len(names))))
+    for c, name in enumerate(names):
+        when, bare = next((w, name[len(w) :]) for w in ("mid.", "end.", "now.", "") if name.startswith(w))
+        given = name if name in known else bare if bare.startswith("y.") else None
+        table[:, 0, c] = signals[bare](*places[when]) if given is None else known[given]
+    return names, table
 
 
 def _times(grid: Grid, place: float) -> np.ndarray:

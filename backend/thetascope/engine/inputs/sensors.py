@@ -14,6 +14,7 @@ from thetascope.engine.compiler.instructions import implicit_method
 from thetascope.engine.inputs import random_streams
 from thetascope.engine.inputs.coloured_noise import coloured_noise
 from thetascope.engine.inputs.input_tables import RUNGE_KUTTA
+from thetascope.engine.inputs.readings import Readings
 from thetascope.engine.inputs.sampling import Sampling
 from thetascope.engine.inputs.signals import Signal, constant, gated, total
 from thetascope.engine.inputs.signals import _random_held as random_held
@@ -94,7 +95,8 @@ class Measurement:
     ``shape``. ``sample_every`` is the number of base steps between samples, None for continuous measurement. ``noises``
     are the additive disturbances of each output: noise, outliers and noise bursts. ``correlation`` and ``samplings``
     are those of the true sensors, where they differ: the correlation time of the noise in s, and sample instants of
-    their own; empty: no sensor differs.
+    their own; empty: no sensor differs. ``readings`` are those of a record in place of noise; they are added to outputs
+    that are zero.
     """
 
     outputs: tuple[str, ...]
@@ -105,9 +107,13 @@ class Measurement:
     sample_every: int | None = None
     correlation: tuple[float | None, ...] = ()
     samplings: tuple[Sampling | None, ...] = ()
+    readings: Readings | None = None
     noises: tuple[Signal, ...] = field(init=False)
 
     def __post_init__(self) -> None:
+        if self.readings is not None:
+            object.__setattr__(self, "noises", self.readings.held)
+            return
         noises = []
         colour = self.correlation or (None,) * len(self.outputs)
         for i, name in enumerate(self.outputs):
@@ -149,9 +155,14 @@ class Measurement:
     @property
     def modelled(self) -> "Measurement":
         """Return the measurement as observers and the detector know it: white noise, samples at regular instants."""
-        if not self.correlation and not self.samplings:
+        if not self.correlation and not self.samplings and self.readings is None:
             return self
-        return replace(self, correlation=(), samplings=tuple(None if s is None else s.regular for s in self.samplings))
+        return replace(
+            self,
+            readings=None,
+            correlation=(),
+            samplings=tuple(None if s is None else s.regular for s in self.samplings),
+        )
 
     def fresh(self, index: np.ndarray, every: int) -> np.ndarray:
         """Return (rows, m): 1 where a row has a value of the output that the row before lacks; rows are the base steps

@@ -6,7 +6,10 @@ from functools import cached_property
 import numpy as np
 
 from thetascope.engine.compiler.jit import NEVER, Segments
+from thetascope.engine.errors import SpecError
+from thetascope.messages import Message
 
+_MULTIPLE = 1e-6  # relative tolerance for one interval to be a multiple of another
 _SNAP = 1e-6  # a break closer than this fraction of a step to a grid point counts as being on it
 
 
@@ -170,3 +173,12 @@ def _split(starts: np.ndarray, columns: list, h: float, broken: np.ndarray, off:
             width = (edges[j + 1] - edges[j]) / substeps
             rows.append((substeps, substeps if records else NEVER, edges[j], 0, width))
     return [np.array(c) for c in zip(*rows, strict=True)]
+
+
+def multiple(interval: float, step: float, field: str) -> int:
+    """Return the number of steps in an interval. Raises SpecError unless it is a whole number of them, at least one."""
+    count = round(interval / step)
+    if count < 1 or abs(interval / step - count) > _MULTIPLE * max(1, count):
+        near = max(1, count) * step
+        raise SpecError(field, interval, Message("experiment.time.no-multiple", time=interval, step=step, near=near))
+    return count

@@ -90,6 +90,8 @@ class Result:
     """Processor time in s per simulated second, by observer. It is measured, so it differs between runs."""
     diagnosis: dict | None = None
     """The diagnosis as plain data (thetascope_schemas' Diagnosis); None if it was not requested."""
+    record: dict | None = None
+    """The diagnosis of the record as plain data (thetascope_schemas' RecordDiagnosis); None without a record."""
     accuracy: Accuracy | None = None
     """The accuracy that the integration reached; None where it was not measured: fixed substeps, discrete time."""
 

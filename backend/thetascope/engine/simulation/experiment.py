@@ -19,6 +19,8 @@ from thetascope.engine.simulation.step_control import Control
 from thetascope.messages import Message
 
 PROCESS_NOISE = "w."  # prefix of the inputs by which process noise enters the states of a true plant
+PRESENCE = ("present.", "fresh.")  # prefixes of the signals that say whether a record has a reading
+TRUE_ONLY = (PROCESS_NOISE, *PRESENCE)
 
 
 def leading_rows(states: np.ndarray, limits: np.ndarray | float) -> int:
@@ -40,6 +42,7 @@ class Estimator:
     context: Context
     every: int | None = None  # base steps per sample period; None: it runs in the plant's time
     since: int = 0  # base step at which it was added
+    instants: np.ndarray | None = None  # times in s of its samples, where they are no multiples of the period
 
 
 @dataclass(frozen=True)
@@ -86,6 +89,11 @@ class Experiment:
         return () if self.loop is None else self.loop.applied
 
     @property
+    def recorded(self) -> bool:
+        """Return whether a record takes the place of the plant, so that nobody knows the true state and faults."""
+        return self.measurement.readings is not None
+
+    @property
     def given(self) -> tuple[str, ...]:
         """Return the names of the columns of known quantities in their order: u.*, signal.*, r.*."""
         plant = tuple(n for p in ("u.", "signal.") for n in self.plant.inputs if n.startswith(p))
@@ -96,7 +104,7 @@ class Experiment:
         """Return the experiment as observers and the detector know it: the model in place of the truth."""
         if self.model is None:
             return self if self.measurement.modelled is self.measurement else self._with_known_sensors()
-        known = {name: signal for name, signal in self.signals.items() if not name.startswith(PROCESS_NOISE)}
+        known = {name: signal for name, signal in self.signals.items() if not name.startswith(TRUE_ONLY)}
         return replace(
             self._with_known_sensors(),
             plant=self.model.plant,

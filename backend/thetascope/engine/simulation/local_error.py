@@ -55,7 +55,8 @@ class Steppers:
 
     def __init__(self, experiment: Experiment, remember: bool = False):
         self.experiment = e = experiment
-        noises = (replace(s, value=_compressed(s)) for s in e.measurement.noises)
+        recorded = e.measurement.readings is not None
+        noises = (s if recorded else replace(s, value=_compressed(s)) for s in e.measurement.noises)
         self.signals = e.signals | {f"noise.{n}": s for n, s in zip(e.plant.outputs, noises, strict=True)}
         self.remember = remember
         self._quiet: Steppers | None = None  # the same plant without events

@@ -15,17 +15,17 @@ from time import thread_time
 
 import numpy as np
 
-from thetascope.engine.compiler.graph import variables
 from thetascope.engine.compiler.instructions import implicit_method
 from thetascope.engine.compiler.jit import Layout, Segments, kernel
 from thetascope.engine.compiler.system import DISCRETE, Program, join
-from thetascope.engine.inputs.input_tables import RUNGE_KUTTA, Tables
+from thetascope.engine.inputs.input_tables import RUNGE_KUTTA, Tables, sample_table
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.inputs.time_grid import Grid, cut
 from thetascope.engine.programs.call_plan import Plan, plan
 from thetascope.engine.programs.evaluate_rows import probe
 from thetascope.engine.programs.kernel_cost import PLANT, divided
-from thetascope.engine.simulation.experiment import Experiment, Rows, State
+from thetascope.engine.programs.recorded_programs import PERIOD
+from thetascope.engine.simulation.experiment import PRESENCE, Estimator, Experiment, Rows, State
 from thetascope.engine.simulation.initial_states import observer_states
 from thetascope.engine.simulation.loop import ClosedSpan, Loop, LoopRows, LoopRun
 
@@ -276,6 +276,8 @@ class Simulation:
     def _sampling(self, i: int, state: State, grid: Grid, index: np.ndarray, y: np.ndarray, closed: ClosedSpan | None):
         """Advance an observer with a sample period: one step for each sample instant t_j = j·period in [t_k, t_k+n)."""
         e, estimator = self.experiment, self.experiment.estimators[i]
+        if estimator.instants is not None:
+            return self._at_instants(i, state, grid, index, estimator.instants)
         program, q, first = estimator.program, estimator.every, state.k
         assert q is not None, "the observer works at a sample period"
         last = grid.last
@@ -284,47 +286,51 @@ class Simulation:
         if not len(j):
             return start, np.repeat(start[None, :], len(index), axis=0)
         at = grid.base[j * q - first]
-        known = dict(zip(e.plant.outputs, y[at, 0].T, strict=True))
-        if closed is not None:
-            known |= closed.known_at(grid, j * q, q, e.applied)
-        staged, table = self._sample_table(program, j * q, q, known)
-        ones = np.ones(len(j), dtype=np.int64)
-        segments = Segments(ones, ones, np.zeros(len(j)), (j - 1.0) * q, np.full(len(j), e.step))
-        layout = Layout(staged=staged)
+        known = {} if closed is None else closed.known_at(grid, j * q, q, e.applied)
+        known |= dict(zip(e.plant.outputs, y[at, 0].T, strict=True))
+        staged, table = sample_table(program, e.signals, ((j * q - q) * e.step, j * q * e.step, e.step), known)
+        segments = ((j - 1.0) * q, e.step)
+        after = self._at_samples(estimator, start, staged, table, np.zeros(len(j)), segments)
+        return after[-1].copy(), after[np.searchsorted(j * q, index, side="right")]
+
+    def _at_instants(self, i: int, state: State, grid: Grid, index: np.ndarray, instants: np.ndarray):
+        """Advance an observer that works at given times over the intervals that end in [t_k, t_k+n)."""
+        e, estimator = self.experiment, self.experiment.estimators[i]
+        on, start = instants / e.step + 1e-6, state.observers[i]
+        low = max(int(np.searchsorted(on, max(state.k, estimator.since + 1e-3))), 1)
+        j = np.arange(low, max(low, int(np.searchsorted(on, grid.last))))
+        if not len(j):
+            return start, np.repeat(start[None, :], len(index), axis=0)
+        begin, end = instants[j - 1], instants[j]
+        after_it = end + 1e-4 * e.step
+        noises = zip(e.plant.outputs, e.measurement.noises, strict=True)
+        known = {name: signal(end, after_it) for name, signal in noises} | {PERIOD: end - begin}
+        staged, table = sample_table(estimator.program, e.signals, (begin, end, e.step), known)
+        after = self._at_samples(estimator, start, staged, table, begin, (np.zeros(len(j)), e.step))
+        return after[-1].copy(), after[np.searchsorted(on[j], index + 2e-6, side="right")]
+
+    def _at_samples(
+        self,
+        estimator: Estimator,
+        start: np.ndarray,
+        staged: tuple[str, ...],
+        table: np.ndarray,
+        t: np.ndarray,
+        index_and_step: tuple[np.ndarray, float],
+    ) -> np.ndarray:
+        """Return the states at the beginning and after each sample (samples + 1, states).
+
+        ``t``, ``index_and_step``: the intervals begin at t + index·step.
+        """
+        program, (index, step), ones = estimator.program, index_and_step, np.ones(len(t), dtype=np.int64)
+        segments = Segments(ones, ones, t, index, np.full(len(t), step))
         params = np.array([estimator.parameters[p] for p in program.parameters] or [0.0])
-        new, out = start.copy(), np.empty((len(j), len(start)))
-        run = kernel(program, layout)
+        new, out = start.copy(), np.empty((len(t), len(start)))
+        run = kernel(program, Layout(staged=staged))
         clock = thread_time()
         run(segments, new, params, 1, out, staged=table)
         self.spent[estimator.label] = thread_time() - clock
-        after = np.vstack([start[None, :], out])
-        return new, after[np.searchsorted(j * q, index, side="right")]
-
-    def _sample_table(
-        self, program: Program, k: np.ndarray, q: int, known: dict[str, np.ndarray]
-    ) -> tuple[tuple[str, ...], np.ndarray]:
-        """Return inputs over each sample interval: start, middle, end (left limit), sample instant (right limit).
-
-        ``known``: y at the instants, by name; in a closed loop also the applied u, as means over the intervals.
-        """
-        e, h, tiny = self.experiment, self.experiment.step, 1e-4
-        begin, end = (k - q) * h, k * h
-        middle = 0.5 * (begin + end)
-        places = {
-            "": (begin, begin + tiny * h),
-            "mid.": (middle, middle + tiny * h),
-            "end.": (end, end - tiny * h),
-            "now.": (end, end + tiny * h),
-        }
-        names = tuple(sorted(variables(program.graph, program.update) & set(program.inputs)))
-        table = np.empty((len(k), 1, max(1, len(names))))
-        for c, name in enumerate(names):
-            when, bare = next((w, name[len(w) :]) for w in ("mid.", "end.", "now.", "") if name.startswith(w))
-            if name in known or bare in e.plant.outputs:
-                table[:, 0, c] = known[name if name in known else bare]
-            else:
-                table[:, 0, c] = e.signals[bare](*places[when])
-        return names, table
+        return np.vstack([start[None, :], out])
 
     def _measured_rows(self, grid: Grid, first: int, index: np.ndarray, plant_rows: np.ndarray, y: np.ndarray | None):
         e = self.experiment
@@ -378,7 +384,7 @@ def row_numbers(e: Experiment) -> dict[str, float]:
 
 def observed_values(e: Experiment, parameters: dict, values: dict, y: np.ndarray) -> dict:
     """Return the values that an observer may use along the rows: its parameters, t, u.*, signal.*, y.*; no x or θ."""
-    observed = {n: v for n, v in values.items() if n == "t" or n.startswith(("u.", "signal."))}
+    observed = {n: v for n, v in values.items() if n == "t" or n.startswith(("u.", "signal.", *PRESENCE))}
     known = list(observed)
     observed |= {n: v for n, v in values.items() if n.startswith("intensity.")}
     observed |= {name: y[:, i] for i, name in enumerate(e.plant.outputs)}

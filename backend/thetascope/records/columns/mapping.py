@@ -12,8 +12,8 @@ from thetascope.records.columns.names import KINDS, is_set_point, plain, split_u
 from thetascope.records.columns.times import TimeChoice, changed, guess_time, is_index
 from thetascope.records.columns.units import conversion
 from thetascope.records.table import Column, Table
+from thetascope_schemas.experiment.measurement import ColumnMapping, QuantityMapping
 from thetascope_schemas.experiment.plant import Plant
-from thetascope_schemas.service.record_inspection import ColumnMapping, QuantityMapping
 from thetascope_schemas.texts.names import normalised
 
 _LEAST = 30.0  # score of a column below which it is not taken by its name

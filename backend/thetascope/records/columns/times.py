@@ -9,7 +9,7 @@ from thetascope.records.columns.names import is_time_name, split_unit
 from thetascope.records.columns.units import conversion
 from thetascope.records.table import Column, Table
 from thetascope.records.text.moments import NONE
-from thetascope_schemas.service.record_inspection import TimeMapping, TimeUnit
+from thetascope_schemas.experiment.measurement import TimeMapping, TimeUnit
 
 _DAY = 86_400.0
 _FACTORS: dict[TimeUnit, float] = {

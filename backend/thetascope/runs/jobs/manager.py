@@ -24,7 +24,7 @@ from thetascope.runs.specs.resolve_spec import resolved
 from thetascope.runs.workers.pool import Workers
 from thetascope.settings import Settings
 from thetascope.store import Damaged, Record, RunStore, StoreError
-from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.experiment import Experiment, ResolvedExperiment
 
 log = logging.getLogger(__name__)
 
@@ -40,7 +40,7 @@ class RunManager:
     that is lost in a crash is recomputed from its spec.
 
     `ended` is called for each run that was computed, with its outcome (done, failed, cancelled, refused, interrupted)
-    and the seconds since its request.
+    and the seconds since its request. `record_of` returns the file of an experiment's record.
     """
 
     def __init__(
@@ -49,7 +49,9 @@ class RunManager:
         store: RunStore,
         workers: Workers,
         ended: Callable[[str, float], None] = lambda outcome, seconds: None,
+        record_of: Callable[[ResolvedExperiment], object] = lambda spec: None,
     ) -> None:
+        self._record_of = record_of
         self._ended = ended
         self._room = settings.queue + settings.workers
         self._store = store
@@ -98,6 +100,7 @@ class RunManager:
 
         Raises:
             InvalidSpec: names that do not fit the plant, or more steps or numbers than the limits allow.
+            Unknown: its record is not stored.
             Busy: the queue is full.
             OverLimit: the client has as many runs that wait or run as it may.
         """
@@ -108,6 +111,8 @@ class RunManager:
         if known is not None and self._has_result(known):
             self._owned.add(id, owners, by)
             return self._with_posted_spec(known, spec, owns_alone(owners, by))
+        if complete.truth.record is not None:
+            complete = complete.with_readings(self._record_of(complete))
         kept = {} if known is None else {"created": known.created, "pinned": known.pinned}
         if known is not None and not owns_alone(owners, by):
             spec = known.spec

@@ -67,8 +67,9 @@ def compute(
     Raises:
         SpecError, InvalidSpec: the experiment is refused.
     """
-    from thetascope.assembly import prepare  # imports SymPy
+    from thetascope.assembly import carry_out, prepare, with_rows  # imports SymPy
 
+    spec = with_rows(spec)
     prepared = prepare(spec)
     allow(spec, prepared.cost, max_steps, max_result)
     begun = False
@@ -80,7 +81,7 @@ def compute(
         begun = True
         reporter.progress(share)
 
-    result = prepared.run(progress)
+    result = carry_out(prepared, progress)
     return result, summarise(result, spec)
 
 

@@ -9,14 +9,17 @@ import time
 from dataclasses import dataclass
 
 from thetascope.access.principal import Principal
+from thetascope.assembly.analyses.record_run import RecordBytes, diagnosed_plant
 from thetascope.messages import Message
 from thetascope.runs.jobs.ownership import share_of
+from thetascope.runs.records.record_answers import RecordAnswers, answer_key
 from thetascope.runs.specs.refusals import Refusal, Unknown, validated
 from thetascope.runs.specs.resolve_spec import plant_of
 from thetascope.store import RecordStore, Share, record_id
 from thetascope.store.record_store import Line
+from thetascope_schemas.experiment.experiment import ResolvedExperiment
+from thetascope_schemas.experiment.measurement import ColumnMapping
 from thetascope_schemas.experiment.plant import Plant
-from thetascope_schemas.service.record_inspection import ColumnMapping
 
 _OF_ONE = 4  # the part of the room that one client may fill, unless it is the machine's owner
 _LONGEST = 200  # characters of a name
@@ -42,6 +45,7 @@ class RecordFiles:
 
     def __init__(self, store: RecordStore, limit: int) -> None:
         self._store, self._limit = store, limit
+        self.answers = RecordAnswers()
 
     def put(
         self, name: str, data: bytes, plant: str | Plant | None, mapping: ColumnMapping, by: Principal
@@ -70,6 +74,15 @@ class RecordFiles:
         plant = None if share.plant is None else plant_of(_plant(share.plant))
         mapping = ColumnMapping() if share.mapping is None else validated(ColumnMapping, json.loads(share.mapping))
         return RecordFile(id, share.name, data, plant, mapping)
+
+    def of_experiment(self, spec: ResolvedExperiment) -> RecordBytes:
+        """Return the file of an experiment's record, with its diagnosis where it is known. Raises Unknown."""
+        record = spec.truth.record
+        data = None if record is None else self._store.data(record.id)
+        if record is None or data is None:
+            raise Unknown(Message("record.unknown", id="" if record is None else record.id))
+        key = answer_key(record.id, diagnosed_plant(spec), record.mapping, record.settings)
+        return RecordBytes(record.name, data, self.answers.get(key))
 
     def change(self, id: str, plant: str | Plant, mapping: ColumnMapping, by: Principal) -> RecordFile:
         """Set the plant and the mapping of a client's share; whoever has none gets one. Raises Unknown, NoRoom."""

@@ -3,6 +3,7 @@
 from dataclasses import asdict
 
 from thetascope.assembly.analyses.facts import DetectorState, Losses, facts
+from thetascope.assembly.analyses.record_run import alarms_of
 from thetascope.assembly.build.diagnosis_settings import findings
 from thetascope.diagnosis.evaluation.observer_comparison import (
     COVERED,
@@ -19,6 +20,7 @@ from thetascope.messages import Message
 from thetascope_schemas import Experiment, ResolvedExperiment
 from thetascope_schemas.service.comparison import AlarmOutcome, Comparison, ComparisonRow, FaultOutcome, StepFollowed
 from thetascope_schemas.service.facts import Facts
+from thetascope_schemas.service.record_diagnosis import RecordDiagnosis
 
 
 def compared(result: Result, spec: Experiment) -> Comparison:
@@ -38,6 +40,8 @@ def comparison_rows(comparison: Compared) -> Comparison:
 
 def facts_of(result: Result, spec: ResolvedExperiment, comparison: Compared) -> Facts:
     """Return the facts at the end of a run; for a saved session, those of the session."""
+    if spec.truth.record is not None:
+        return record_facts(spec, result)
     diagnosis = findings(result).get(DETECTOR)
     judgement = next((row.judgement for row in comparison.rows if row.label == DETECTOR), None)
     settled = diagnosis.calibration.from_time if diagnosis and diagnosis.calibration else 0.0
@@ -47,6 +51,18 @@ def facts_of(result: Result, spec: ResolvedExperiment, comparison: Compared) -> 
     end = float(result.column("t")[-1])
     detector = DetectorState(alarms, judgement, diagnosis, settled, None if judgement else note)
     return facts(spec, end, end, detector, Losses(lost, result.diverged.time if result.diverged else None))
+
+
+def record_facts(spec: ResolvedExperiment, result: Result) -> Facts:
+    """Return the facts at the end of a record: the alarms of its faults, on which nobody can give verdicts."""
+    lost = {r.label: (r.diverged.time, r.diverged.cause) for r in result.observers if r.diverged is not None}
+    end = float(result.column("t")[-1])
+    diagnosis = None if result.record is None else RecordDiagnosis.model_validate(result.record)
+    alarms = () if diagnosis is None else alarms_of(diagnosis)
+    known = facts(
+        spec, end, end, DetectorState(alarms, None, None, 0.0, Message("diagnosis.none.disabled")), Losses(lost)
+    )
+    return known if diagnosis is None else known.model_copy(update={"summary": diagnosis.sentence})
 
 
 def _row(row: Row) -> ComparisonRow:

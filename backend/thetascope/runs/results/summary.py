@@ -14,6 +14,7 @@ from thetascope.runs.results.comparison_rows import comparison_rows, facts_of
 from thetascope_schemas import Experiment, ResolvedExperiment
 from thetascope_schemas.experiment.base import Text
 from thetascope_schemas.experiment.diagnosis import Diagnosis
+from thetascope_schemas.service.record_diagnosis import RecordDiagnosis
 from thetascope_schemas.service.run import Accuracy, AssumptionCheck, Divergence, ObserverSummary, RunSummary
 
 
@@ -31,6 +32,7 @@ def summarise(result: Result, spec: ResolvedExperiment) -> RunSummary:
         comparison=comparison_rows(comparison),
         facts=facts_of(result, spec, comparison),
         diagnosis=None if result.diagnosis is None else Diagnosis.model_validate(result.diagnosis),
+        record=None if result.record is None else RecordDiagnosis.model_validate(result.record),
         notes=tuple(Text.of(note) for note in result.notes),
         seconds=result.seconds,
     )

@@ -1,1 +1,0 @@
-"""Answers about plants that users write: the check of a text, and saved plants."""
