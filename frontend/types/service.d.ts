@@ -694,7 +694,7 @@ export interface Experiment {
   source: string;
   /** Errors in the printed source. */
   errata: (string)[];
-  /** Id of a library plant, or a complete plant. */
+  /** Id of a library plant or of one that the sender has saved, or a complete plant. */
   plant: string | Plant;
   /** Parameters that differ from the plant's values. */
   parameters: {[name: string]: number};
@@ -739,7 +739,7 @@ export interface ExperimentInput {
   source?: string | {[name: string]: string};
   /** Errors in the printed source. */
   errata?: (string | {[name: string]: string})[];
-  /** Id of a library plant, or a complete plant. */
+  /** Id of a library plant or of one that the sender has saved, or a complete plant. */
   plant: string | PlantInput;
   /** Parameters that differ from the plant's values. */
   parameters?: {[name: string]: number};
@@ -1389,6 +1389,51 @@ export interface MissingFault {
   text: Text;
 }
 
+/** A version of a saved plant with its text. */
+export interface MyPlant {
+  /** Id in the text, by which experiments and records name the plant. */
+  id: string;
+  /** Number of the version, from 1; `id@version` names it. */
+  version: number;
+  title: string;
+  format: 'yaml' | 'json';
+  /** Number of fault channels; 0 in a draft that cannot be read. */
+  faults: number;
+  /** Whether it had no errors when it was saved; a draft cannot be simulated. */
+  ready: boolean;
+  /** Time in seconds since 1970. */
+  saved: number;
+  /** Whether this client may delete it; others' plants can be read and used. */
+  mine: boolean;
+  href: string;
+  /** The plant as YAML or JSON, as it was typed. */
+  text: string;
+}
+
+/** A version of a saved plant, without its text. */
+export interface MyPlantLine {
+  /** Id in the text, by which experiments and records name the plant. */
+  id: string;
+  /** Number of the version, from 1; `id@version` names it. */
+  version: number;
+  title: string;
+  format: 'yaml' | 'json';
+  /** Number of fault channels; 0 in a draft that cannot be read. */
+  faults: number;
+  /** Whether it had no errors when it was saved; a draft cannot be simulated. */
+  ready: boolean;
+  /** Time in seconds since 1970. */
+  saved: number;
+  /** Whether this client may delete it; others' plants can be read and used. */
+  mine: boolean;
+  href: string;
+}
+
+/** Saved plants, or the versions of one of them, the last one that was saved first. */
+export interface MyPlantList {
+  plants: (MyPlantLine)[];
+}
+
 /** Gaussian measurement noise of one output; each drawn value is held for the sample time. */
 export interface Noise {
   /** Standard deviation, in the output's unit. */
@@ -1864,6 +1909,22 @@ export interface PlantSizes {
   inputs: number;
   outputs: number;
   channels: number;
+}
+
+/** The check of a plant's text. A text with errors is an answer, too, and not a refusal. */
+export interface PlantTextCheck {
+  format: 'yaml' | 'json';
+  /** The plant's id, as far as the text can be read. */
+  id: string;
+  title: string;
+  /** Whether the plant can be simulated: there are no errors. */
+  valid: boolean;
+  /** Errors and warnings in the order of the text. */
+  errors: (TextError)[];
+  /** The plant in full; null unless it is valid. */
+  plant: Plant | null;
+  sizes: PlantSizes | null;
+  equations: PlantEquations | null;
 }
 
 /** Start or resume the clock. */
@@ -3316,6 +3377,43 @@ export interface Text {
   args: {[name: string]: JsonValue};
   /** The sentence in the requested language. */
   text: string;
+}
+
+/** An error or a warning, and its place in the text. */
+export interface TextError {
+  /** Path of the field, for example faults[0].end. */
+  field: string;
+  /** The value that arrived, shortened. */
+  value: unknown;
+  /** Key of the problem's sentence in the catalogues, GET /api/messages/{language}. */
+  code: string;
+  /** Arguments of both sentences by name. */
+  args: {[name: string]: JsonValue};
+  /** The problem, in the requested language. */
+  problem: string;
+  /** The remedy, in the requested language. */
+  remedy: string;
+  severity: 'error' | 'warning';
+  place: TextPlace;
+  /** The change that corrects it; null: there is no single one. */
+  fix: TextFix | null;
+}
+
+/** A change that corrects an error: these characters are replaced by `text`. */
+export interface TextFix {
+  line: number;
+  column: number;
+  /** Length, line breaks included; 0: a place between two characters. */
+  length: number;
+  text: string;
+}
+
+/** Characters of a text. Lines and columns count from 1; columns and lengths are UTF-16 code units. */
+export interface TextPlace {
+  line: number;
+  column: number;
+  /** Length, line breaks included; 0: a place between two characters. */
+  length: number;
 }
 
 /** The times of the rows: a column, or a period for rows without one. */

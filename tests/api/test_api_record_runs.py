@@ -23,7 +23,7 @@ BODY = {
 @pytest.fixture(scope="module")
 def rig() -> bytes:
     """Return the record of a tank whose pump loses flow in the middle."""
-    plant = library.plant("level-loop").model_copy(update={"controllers": (), "references": ()})
+    plant = library.plant("level-loop").without_controllers
     return exported(simulated(plant, 0.5, ROWS, [], noise={"y": {"std": 0.05, "sample_time": 0.5}}))
 
 

@@ -34,7 +34,7 @@ def test_a_record_of_a_run_gives_its_columns_bit_for_bit(name):
     """Every column of an observer on the record of a run is that of the run: y is held over base steps in both."""
     step, kinds = PLANTS[name]
     plant = library.plant(name)
-    plant = plant.model_copy(update={"controllers": (), "references": ()})
+    plant = plant.without_controllers
     step = plant.time.period if plant.time.kind == "discrete" else step
     assert step is not None
     run = simulated(plant, step, ROWS, kinds)
@@ -70,7 +70,7 @@ def test_shifted_times_and_another_order_of_columns_change_nothing(tank):
 @pytest.fixture(scope="module")
 def level() -> tuple[Plant, bytes]:
     """Return a tank with two sensors, and its record."""
-    plant = library.plant("level-loop").model_copy(update={"controllers": (), "references": ()})
+    plant = library.plant("level-loop").without_controllers
     return plant, exported(simulated(plant, 0.5, ROWS, ["joint-ekf"]))
 
 
@@ -134,7 +134,7 @@ def test_one_missing_output_does_not_stop_the_others(level):
 
 def test_rows_with_jitter_are_taken_at_their_times():
     """Without noise, rows that come early or late surprise a filter hardly; taken for even ones they do."""
-    plant = library.plant("level-loop").model_copy(update={"controllers": (), "references": ()})
+    plant = library.plant("level-loop").without_controllers
     fine = simulated(plant, 0.1, 1200, [], noise={}, faults=[])
     t = np.arange(118.0) + np.r_[0.0, 0.1 * np.random.default_rng(4).integers(-4, 5, 116), 0.0]
     names = ["u.q", "y.y", "y.w"]

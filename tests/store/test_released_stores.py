@@ -1,7 +1,8 @@
 """Stores that released versions wrote. `released/schema-1.sqlite` was written by the service when the schema had
 version 1: a pinned run with its result, a cancelled run, and one that a kill -9 of the service cut off. The CSV is the
 answer of that service to /api/runs/{id}/data. `schema-2.sqlite` was written by the command line: a pinned run with two
-owners, and the CSV that `thetascope run --out` wrote."""
+owners, and the CSV that `thetascope run --out` wrote. `schema-3.sqlite` has such a run, too,
+and a record of two owners."""
 
 import shutil
 import sqlite3
@@ -12,7 +13,7 @@ import pytest
 
 from thetascope.export import csv_chunks, select
 from thetascope.runs.jobs.store_rows import snapshot_of
-from thetascope.store import Database, RecordStore, RunStore, StoreError
+from thetascope.store import Database, PlantStore, RecordStore, RunStore, StoreError, record_id
 
 RELEASED = Path(__file__).parent / "released"
 DONE, CANCELLED, QUEUED = (
@@ -24,6 +25,8 @@ ENGINE = "b079398157ae2a57"
 
 
 SECOND, SECOND_ENGINE = "05f45b405b189d91bdd48a73a8214d70", "924a0d9d16f6572c"
+THIRD_ENGINE = "94f7a39ccc2c6b44"
+RECORD = b"t,q,y\n0,50,20\n1,50,20.1\n"
 
 
 @pytest.fixture
@@ -64,17 +67,31 @@ def test_a_store_of_schema_2_keeps_runs_owners_and_numbers(tmp_path):
     database.close()
 
 
+def test_a_store_of_schema_3_keeps_runs_and_records(tmp_path):
+    """Its run has the CSV of that time, its record both shares; the table of plants is there, and empty."""
+    database = Database(Path(shutil.copy(RELEASED / "schema-3.sqlite", tmp_path / "runs.sqlite")))
+    store, records = RunStore(database, 10**9), RecordStore(database)
+    assert store.owners(SECOND) == {"browser-1", "machine"}
+    result = store.get_result(SECOND, THIRD_ENGINE)
+    assert b"".join(csv_chunks(select(result))) == (RELEASED / "schema-3.csv").read_bytes()
+    assert records.data(record_id(RECORD)) == RECORD
+    shares = [(share.owner, share.name, share.plant) for share in records.shares(record_id(RECORD))]
+    assert shares == [("machine", "other.csv", None), ("browser-1", "tank.csv", '"dts200"')]
+    assert PlantStore(database).latest() == []
+    database.close()
+
+
 def test_an_upgraded_store_has_the_schema_of_a_new_one(path, tmp_path):
     """Columns and indexes are equal, so that later versions need to know one schema only."""
     schemas = []
-    second = Path(shutil.copy(RELEASED / "schema-2.sqlite", tmp_path / "second.sqlite"))
-    for place in (path, second, tmp_path / "new.sqlite"):
+    later = [Path(shutil.copy(RELEASED / f"schema-{n}.sqlite", tmp_path / f"{n}.sqlite")) for n in (2, 3)]
+    for place in (path, *later, tmp_path / "new.sqlite"):
         database = Database(place)
         with database.reading() as connection:
             query = "SELECT type, name, tbl_name, sql FROM sqlite_master ORDER BY name"
             schemas.append([tuple(row) for row in connection.exec_driver_sql(query)])
         database.close()
-    assert schemas[0] == schemas[1] == schemas[2] and len(schemas[0]) > 5
+    assert schemas[0] == schemas[1] == schemas[2] == schemas[3] and len(schemas[0]) > 5
 
 
 def test_a_damaged_file_of_schema_1_is_refused_and_unchanged(path):

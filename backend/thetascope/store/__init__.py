@@ -3,6 +3,7 @@
 from thetascope.store.backup import backup, opened, restore
 from thetascope.store.database import Database
 from thetascope.store.errors import Damaged, StoreError
+from thetascope.store.plant_store import PlantStore, PlantVersion
 from thetascope.store.record_store import RecordStore, Share, record_id
 from thetascope.store.run_store import Record, RunStore
 from thetascope.store.verification import Verification, verify
@@ -10,6 +11,8 @@ from thetascope.store.verification import Verification, verify
 __all__ = [
     "Damaged",
     "Database",
+    "PlantStore",
+    "PlantVersion",
     "Record",
     "RecordStore",
     "RunStore",

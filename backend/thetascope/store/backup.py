@@ -19,7 +19,17 @@ from thetascope.store.backends.sqlite import SQLite
 from thetascope.store.database import Database, backend_of
 from thetascope.store.errors import StoreError
 from thetascope.store.record_store import has_record
-from thetascope.store.tables import OWNERS, RECORD_SHARES, RECORDS, RESULTS, RUNS, has_result, is_whole
+from thetascope.store.tables import (
+    OWNERS,
+    PLANTS,
+    RECORD_SHARES,
+    RECORDS,
+    RESULTS,
+    RUNS,
+    has_plant,
+    has_result,
+    is_whole,
+)
 from thetascope.store.verification import Verification, verify
 
 _WHOLE = {
@@ -28,6 +38,7 @@ _WHOLE = {
     OWNERS: lambda row: True,
     RECORDS: has_record,
     RECORD_SHARES: lambda row: True,
+    PLANTS: has_plant,
 }
 _COMPANIONS = ("", "-wal", "-shm")
 """Endings of the files of an SQLite store."""

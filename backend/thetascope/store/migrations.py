@@ -73,4 +73,20 @@ MIGRATIONS: tuple[tuple[str | Callable[[Connection], None], ...], ...] = (
         )""",
         "CREATE INDEX record_shares_owner ON record_shares (owner)",
     ),
+    (
+        """CREATE TABLE plants (
+            owner TEXT NOT NULL,
+            id TEXT NOT NULL,
+            version INTEGER NOT NULL,
+            title TEXT NOT NULL,
+            format TEXT NOT NULL,
+            faults INTEGER NOT NULL,
+            ready INTEGER NOT NULL,
+            text TEXT NOT NULL,
+            saved REAL NOT NULL,
+            removed REAL,
+            checksum TEXT NOT NULL,
+            PRIMARY KEY (owner, id, version)
+        )""",
+    ),
 )

@@ -87,6 +87,24 @@ RECORD_SHARES = Table(
     Column("changed", Float, nullable=False),
 )
 
+#: Plants that clients have saved, one row a version. `title`, `format`, `faults` and `ready` are facts of the text;
+#: `removed` is the time at which it was deleted, null before, and `checksum` covers all columns but this one.
+PLANTS = Table(
+    "plants",
+    METADATA,
+    Column("owner", Text, primary_key=True),
+    Column("id", Text, primary_key=True),
+    Column("version", BigInteger, primary_key=True),
+    Column("title", Text, nullable=False),
+    Column("format", Text, nullable=False),
+    Column("faults", BigInteger, nullable=False),
+    Column("ready", BigInteger, nullable=False),
+    Column("text", Text, nullable=False),
+    Column("saved", Float, nullable=False),
+    Column("removed", Float),
+    Column("checksum", Text, nullable=False),
+)
+
 
 def checksum(*parts: object) -> str:
     """Return the SHA-256 of texts, bytes, numbers and None, in hexadecimal digits. Types and lengths count, too."""
@@ -140,3 +158,14 @@ def is_time(created: object) -> bool:
 def has_result(row: Any) -> bool:
     """Return whether a row of `results` is what was written."""
     return row.checksum == result_sum(row.id, row.engine, row.rows, row.head, row.data)
+
+
+def plant_sum(row: Any) -> str:
+    """Return the checksum of a version of a plant."""
+    facts = (row.title, row.format, row.faults, row.ready)
+    return checksum(row.owner, row.id, row.version, *facts, row.text, row.saved)
+
+
+def has_plant(row: Any) -> bool:
+    """Return whether a row of `plants` is what was written."""
+    return row.checksum == plant_sum(row)

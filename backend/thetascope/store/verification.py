@@ -9,7 +9,7 @@ from thetascope.store.damaged_rows import rows_one_by_one
 from thetascope.store.database import Database
 from thetascope.store.errors import StoreError
 from thetascope.store.record_store import has_record
-from thetascope.store.tables import RECORDS, RESULTS, has_result, has_spec, is_whole
+from thetascope.store.tables import PLANTS, RECORDS, RESULTS, has_plant, has_result, has_spec, is_whole
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,18 @@ def verify(database: Database) -> Verification:
             defects.append(Message("store.defect.result", id=_shown(id)))
     wrong = [id for id in _records(database, defects) if not _is_record(database, id)]
     defects += [Message("store.defect.record", id=_shown(id)) for id in wrong]
+    defects += _damaged_plants(database)
     return Verification(runs, results, tuple(defects))
+
+
+def _damaged_plants(database: Database) -> list[Message]:
+    """Return a defect for each version of a saved plant that is not what was written."""
+    try:
+        with database.reading() as connection:
+            wrong = [row for row in connection.execute(select(PLANTS)) if not has_plant(row)]
+    except StoreError as error:
+        return [error.problem]
+    return [Message("store.defect.plant", id=_shown(row.id), version=row.version) for row in wrong]
 
 
 def _records(database: Database, defects: list[Message]) -> list[str]:

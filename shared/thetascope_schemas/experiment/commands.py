@@ -115,6 +115,8 @@ class SetSubsteps(Timed):
     substeps: Annotated[int, Field(ge=1, le=64)]
 
 
+OfTruth = SetSignal | SetNoise | SetTruth
+"""Commands that change what is measured, not how it is observed."""
 TimedCommand = Annotated[
     SetGain | SetSignal | SetNoise | SetTruth | AddObserver | RemoveObserver | SetSubsteps,
     Field(discriminator="command"),

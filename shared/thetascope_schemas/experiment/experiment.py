@@ -25,14 +25,7 @@ from thetascope_schemas.experiment.base import (
     check_known,
     example,
 )
-from thetascope_schemas.experiment.commands import (
-    MAX_COMMANDS,
-    AddObserver,
-    SetNoise,
-    SetSignal,
-    SetTruth,
-    TimedCommand,
-)
+from thetascope_schemas.experiment.commands import MAX_COMMANDS, AddObserver, OfTruth, SetTruth, TimedCommand
 from thetascope_schemas.experiment.controllers import check_multiple, set_reference
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 from thetascope_schemas.experiment.faults import Fault
@@ -63,8 +56,10 @@ def _no_file(plant: object) -> object:
     return plant
 
 
+PlantName = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}(@[0-9]{1,9})?$")]
+"""Id of a library plant, or of one that the sender has saved; `id@7` is its version 7."""
 PlantChoice = Annotated[
-    Annotated[Identifier, BeforeValidator(_no_file), Tag("library")] | Annotated[Plant, Tag("inline")],
+    Annotated[PlantName, BeforeValidator(_no_file), Tag("library")] | Annotated[Plant, Tag("inline")],
     Discriminator(_plant_kind),
 ]
 
@@ -102,7 +97,9 @@ class Experiment(Strict):
     description: Prose = ""
     source: Prose = Field(default="", description="Source of the experiment, such as a paper and its figure.")
     errata: tuple[Prose, ...] = Field(default=(), max_length=50, description="Errors in the printed source.")
-    plant: PlantChoice = Field(description="Id of a library plant, or a complete plant.")
+    plant: PlantChoice = Field(
+        description="Id of a library plant or of one that the sender has saved, or a complete plant."
+    )
     parameters: dict[Reference, Number] = Field(
         default_factory=dict, description="Parameters that differ from the plant's values."
     )
@@ -184,8 +181,7 @@ class Experiment(Strict):
         Raises:
             pydantic.ValidationError: if the experiment does not fit the plant.
         """
-        if self.truth.record is not None:  # it holds the inputs as they were applied
-            plant = plant.model_copy(update={"controllers": (), "references": ()})
+        plant = plant if self.truth.record is None else plant.without_controllers
         return ResolvedExperiment.model_validate(
             {name: getattr(self, name) for name in type(self).model_fields} | {"plant": plant}
         )
@@ -332,9 +328,8 @@ class Experiment(Strict):
                 check_multiple(controller.period, self.step, f"plant.controllers[{index}].period")
         check_known(self.signals, plant.names("signals"), "signals", "plant.signal.unknown")
         if self.truth.record is not None:
-            changes = [c for c in self.commands if isinstance(c, SetTruth | SetSignal | SetNoise)]
-            given = {"faults": self.faults, "inputs": self.inputs, "signals": self.signals, "commands": changes}
-            self.truth.record.check(given, self.parameters)
+            changes = [c for c in self.commands if isinstance(c, OfTruth)]
+            self.truth.record.check(vars(self) | {"commands": changes})
         check_known(self.noise, plant.names("outputs"), "noise", "plant.output.unknown")
         self.truth.check(plant, self.noise, self.measurement, self.step)
         for index, command in enumerate(self.commands):
@@ -395,6 +390,5 @@ class ResolvedExperiment(Experiment):
 
     def with_readings(self, readings: object) -> "ResolvedExperiment":
         """Return this experiment with the rows of its record, an object that equals itself only."""
-        resolved = self.model_copy()
-        resolved._readings = readings
+        (resolved := self.model_copy())._readings = readings
         return resolved

@@ -2,8 +2,8 @@
 in its place."""
 
 import math
-from collections.abc import Mapping, Sized
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -225,12 +225,14 @@ class RecordedTruth(Strict):
         "the diagnosis fits them again, from the plant's own values.",
     )
 
-    def check(self, given: Mapping[str, Sized], parameters: Mapping[str, float]) -> None:
-        """Refuse what would change the record, by field of the experiment, and fitted parameters that have no value."""
-        for field, parts in given.items():
-            if parts:
-                raise refuse("experiment.recorded", field, len(parts), part=field)
-        check_known(dict.fromkeys(self.fitted), list(parameters), "truth.record.fitted", "plant.parameter.unknown")
+    def check(self, fields: Mapping[str, Any]) -> None:
+        """Refuse fields of an experiment that would change the record, and fitted parameters that have no value."""
+        for field in ("faults", "inputs", "signals", "commands"):
+            if fields[field]:
+                raise refuse("experiment.recorded", field, len(fields[field]), part=field)
+        check_known(
+            dict.fromkeys(self.fitted), list(fields["parameters"]), "truth.record.fitted", "plant.parameter.unknown"
+        )
 
 
 class Truth(Strict):

@@ -284,6 +284,11 @@ class Plant(Strict):
         return tuple(name for name in self.names("inputs") if name in taken)
 
     @property
+    def without_controllers(self) -> "Plant":
+        """Return the plant alone, as a record shows it: with the inputs as they were applied."""
+        return self.model_copy(update={"controllers": (), "references": ()})
+
+    @property
     def commanded(self) -> tuple[Input | SetPoint, ...]:
         """Return the inputs and references that an experiment sets: all but the inputs that controllers set."""
         taken = self.controlled

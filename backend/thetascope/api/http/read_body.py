@@ -7,6 +7,7 @@ import orjson
 from fastapi import Request
 from starlette.concurrency import run_in_threadpool
 
+from thetascope.access.principal import principal_of
 from thetascope.api.http.problems import BodyProblem
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import invalid
@@ -36,9 +37,17 @@ async def read_bytes(request: Request, limit: int) -> bytes:
 
 
 async def parsed(request: Request, limit: int, parse: Callable[[Any], Value]) -> Value:
-    """Return the value of `parse` for the body's JSON, computed in a worker thread."""
+    """Return the value of `parse` for the body's JSON, computed in a worker thread.
+
+    Where the body names a plant that the client has saved, `parse` gets it in full.
+    """
     body = await read_body(request, limit)
-    return await run_in_threadpool(lambda: parse(json_of(body)))
+    return await run_in_threadpool(lambda: parse(with_plants(request, json_of(body))))
+
+
+def with_plants(request: Request, data: Any) -> Any:
+    """Return the JSON data of a body with the client's saved plants in full. Raises Unknown, InvalidSpec."""
+    return request.app.state.services.my_plants.in_full(data, principal_of(request.scope))
 
 
 def json_of(body: bytes) -> Any:

@@ -8,12 +8,13 @@ from fastapi import Depends, Request
 
 from thetascope.live.scheduling.hub import Hub
 from thetascope.runs.jobs.manager import RunManager
+from thetascope.runs.plants.my_plants import MyPlants
 from thetascope.runs.records.record_files import RecordFiles
 from thetascope.runs.workers.limits import Limits
 from thetascope.runs.workers.pool import Workers
 from thetascope.runs.workers.process import preload
 from thetascope.settings import Settings
-from thetascope.store import Database, RecordStore, RunStore
+from thetascope.store import Database, PlantStore, RecordStore, RunStore
 
 PRELOADED = ("sympy", "thetascope.live.session.session", "thetascope.assembly.analyses.record_diagnosis")
 """Modules that workers have imported when they start."""
@@ -21,7 +22,7 @@ PRELOADED = ("sympy", "thetascope.live.session.session", "thetascope.assembly.an
 
 @dataclass(frozen=True)
 class Services:
-    """The settings, workers, runs, live sessions, uploaded records and the store's database of one application."""
+    """The settings, workers, runs, live sessions, uploaded records, saved plants and the store's database."""
 
     settings: Settings
     workers: Workers
@@ -29,6 +30,7 @@ class Services:
     live: Hub
     database: Database
     records: RecordFiles
+    my_plants: MyPlants
 
     @classmethod
     def start(
@@ -49,7 +51,8 @@ class Services:
         store = RunStore(database, settings.store_limit)
         runs = RunManager(settings, store, workers, run_ended, records.of_experiment)
         runs.resume()
-        return cls(settings, workers, runs, Hub(settings, workers), database, records)
+        plants = MyPlants(PlantStore(database))
+        return cls(settings, workers, runs, Hub(settings, workers), database, records, plants)
 
     def end_computations(self) -> None:
         """End the active runs, all other computations and their processes."""

@@ -12,7 +12,7 @@ from thetascope.api.http.answers import json_response
 from thetascope.api.http.computed import check_cpu, computed
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
-from thetascope.api.http.read_body import body_schema, json_of, parsed, read_body, read_bytes
+from thetascope.api.http.read_body import body_schema, json_of, parsed, read_body, read_bytes, with_plants
 from thetascope.api.http.services import Services, Use
 from thetascope.api.operation.request_log import audit
 from thetascope.engine.errors import SpecError
@@ -45,25 +45,27 @@ async def create_record(
     services: Use,
     language: Language,
     name: Annotated[str | None, Query(max_length=200, description="Name of the file whose bytes are the body.")] = None,
-    plant: Annotated[str | None, Query(max_length=64, description="Id of a library plant.")] = None,
+    plant: Annotated[
+        str | None, Query(max_length=80, description="Id of a library plant, or of a plant that this client has saved.")
+    ] = None,
 ) -> Response:
     """Upload a record and inspect it: the bytes of a file with its `name`, or JSON with `columns` or `csv`.
 
     The id is the hash of the file. A plant that is not in the library is given with POST …/mapping.
     """
     check_cpu(request, services)
+    by = principal_of(request.scope)
     mapping = ColumnMapping()
     if name is None:
         body = await read_body(request, services.settings.max_record)
-        name, data, record = await run_in_threadpool(lambda: _of_json(json_of(body)))
+        name, data, record = await run_in_threadpool(lambda: _of_json(with_plants(request, json_of(body))))
         choice, mapping = record.plant, record.mapping
     else:
         data, choice = await read_bytes(request, services.settings.max_record), plant
         if plant is not None:
-            plant_of(plant)
+            choice = await run_in_threadpool(lambda: services.my_plants.plant(plant, by))
     chosen = None if choice is None else plant_of(choice)
     inspection = await _inspection(request, services, RecordFile("", name, data, chosen, mapping))
-    by = principal_of(request.scope)
     stored = await run_in_threadpool(lambda: services.records.put(name, data, choice, mapping, by))
     return _answer(_with_id(inspection, stored.id), language, 201)
 

@@ -79,7 +79,7 @@ def plant_facts(plant: Plant) -> PlantFacts:
 
     A plant whose equations cannot be evaluated there has none of them.
     """
-    plain = plant.model_copy(update={"controllers": (), "references": ()})
+    plain = plant.without_controllers
     try:
         discrete = plain.time.kind == "discrete"
         step = plain.time.period if plain.time.kind == "discrete" else 1e-3

@@ -13,7 +13,7 @@ _MOST = 64
 
 def answer_key(id: str, plant: Plant, mapping: ColumnMapping, settings: RecordSettings) -> str:
     """Return the hash of a record's id, the plant without its controllers, the mapping and the settings."""
-    plant = plant.model_copy(update={"controllers": (), "references": ()})  # the record holds the applied inputs
+    plant = plant.without_controllers  # the record holds the applied inputs
     parts = (id, *(part.model_dump_json() for part in (plant, mapping, settings)))
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 

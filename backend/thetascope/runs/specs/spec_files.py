@@ -77,7 +77,8 @@ class DocumentRefused(Exception):
 class Document:
     """The data of a file, and the place of each value in its text (by path: `channels[0].enters.x1`).
 
-    `parts` are the documents of fields that are files of their own, by the field's name.
+    `nodes` are key and value of each path as YAML nodes; items of lists have no key. `parts` are the documents of
+    fields that are files of their own, by the field's name.
     """
 
     data: Any
@@ -85,6 +86,7 @@ class Document:
     places: dict[str, Place] = field(default_factory=dict)
     name: str = ""
     parts: dict[str, "Document"] = field(default_factory=dict)
+    nodes: dict[str, tuple[yaml.Node | None, yaml.Node]] = field(default_factory=dict)
 
     def place(self, path: str) -> Place | None:
         """Return the place of a path's value, or of the innermost enclosing part that occurs in the text."""
@@ -165,11 +167,11 @@ def unreadable(path: Path, error: OSError) -> DocumentError:
 
 def parse(text: str) -> Document:
     """Return the data of YAML or JSON text (parsed as YAML). Anchors, aliases, tags and repeated keys are refused."""
-    places: dict[str, Place] = {}
+    nodes: _Nodes = {}
     try:
         _scan(text)
         node = yaml.compose(text, Loader=_Loader)
-        data = None if node is None else _build(node, "", places)
+        data = None if node is None else _build(node, "", nodes, None)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = mark and Place(mark.line + 1, mark.column + 1)
@@ -177,7 +179,7 @@ def parse(text: str) -> Document:
         raise DocumentError(Message("document.no-yaml", detail=detail), place) from None
     except yaml.YAMLError as error:
         raise DocumentError(Message("document.no-yaml", detail=str(error))) from None
-    return Document(data, text, places)
+    return Document(data, text, {path: _place(value) for path, (_, value) in nodes.items()}, nodes=nodes)
 
 
 def _scan(text: str) -> None:
@@ -196,17 +198,20 @@ def _scan(text: str) -> None:
             raise DocumentError(Message("document.nesting", depth=_DEPTH), _place(event))
 
 
-def _build(node: yaml.Node, path: str, places: dict[str, Place]) -> Any:
-    places[path] = _place(node)
+_Nodes = dict[str, tuple[yaml.Node | None, yaml.Node]]
+
+
+def _build(node: yaml.Node, path: str, nodes: _Nodes, key: yaml.Node | None) -> Any:
+    nodes[path] = (key, node)
     if isinstance(node, yaml.SequenceNode):
-        return [_build(item, f"{path}[{index}]", places) for index, item in enumerate(node.value)]
+        return [_build(item, f"{path}[{index}]", nodes, None) for index, item in enumerate(node.value)]
     if isinstance(node, yaml.MappingNode):
-        return _mapping(node, path, places)
+        return _mapping(node, path, nodes)
     assert isinstance(node, yaml.ScalarNode), "YAML has no other kind of node"
     return _scalar(node)
 
 
-def _mapping(node: yaml.MappingNode, path: str, places: dict[str, Place]) -> dict[str, Any]:
+def _mapping(node: yaml.MappingNode, path: str, nodes: _Nodes) -> dict[str, Any]:
     built: dict[str, Any] = {}
     for key, value in node.value:
         if not isinstance(key, yaml.ScalarNode):
@@ -214,7 +219,7 @@ def _mapping(node: yaml.MappingNode, path: str, places: dict[str, Place]) -> dic
         name = key.value
         if name in built:
             raise DocumentError(Message("document.key-repeated", name=name[:80]), _place(key))
-        built[name] = _build(value, f"{path}.{name}" if path else name, places)
+        built[name] = _build(value, f"{path}.{name}" if path else name, nodes, key)
     return built
 
 

@@ -1,0 +1,120 @@
+"""/api/my-plants: the plants that this client has saved, with their versions; /api/plants/check-text: check a text."""
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request
+from starlette.concurrency import run_in_threadpool
+from starlette.responses import Response
+
+from thetascope.access.principal import Principal, principal_of
+from thetascope.api.http.answers import json_response
+from thetascope.api.http.computed import computed
+from thetascope.api.http.language import Language
+from thetascope.api.http.problems import documented
+from thetascope.api.http.read_body import read_bytes
+from thetascope.api.http.services import Services, Use
+from thetascope.api.operation.request_log import audit
+from thetascope.messages import Message
+from thetascope.runs.plants.text_check import check_text
+from thetascope.runs.specs.refusals import Busy, OverLimit, invalid
+from thetascope.runs.workers.limits import Crashed, LimitReached
+from thetascope.store import PlantVersion
+from thetascope_schemas.service.plants.saved import MyPlant, MyPlantList
+from thetascope_schemas.service.plants.text import PlantTextCheck
+
+router = APIRouter(tags=["plants"])
+
+_TEXT = {"schema": {"type": "string", "description": "A plant as YAML or JSON."}}
+BODY = {"requestBody": {"required": True, "content": {"application/yaml": _TEXT, "application/json": _TEXT}}}
+Version = Annotated[int | None, Query(ge=1, le=2**31 - 1, description="Number of the version; default: the latest.")]
+
+
+@router.post(
+    "/plants/check-text", response_model=PlantTextCheck, openapi_extra=BODY, responses=documented(413, 422, 429)
+)
+async def check_plant_text(request: Request, services: Use, language: Language) -> Response:
+    """Check a plant as text, YAML or JSON: all errors with their places and the changes that correct them.
+
+    Errors are the answer, and not a refusal. A text without errors is answered with the plant and its equations.
+    """
+    checked = await computed(request, services, check_text, await _text(request, services), language)
+    return Response(checked.model_dump_json(context={"language": language}), media_type="application/json")
+
+
+@router.get("/my-plants", response_model=MyPlantList)
+def list_my_plants(request: Request, services: Use) -> Response:
+    """Return the latest version of each plant that this client or another has saved, the last saved first."""
+    by = principal_of(request.scope)
+    return json_response({"plants": [line(plant, by) for plant in services.my_plants.latest(by)]})
+
+
+@router.get("/my-plants/{id}", response_model=MyPlant, responses=documented(404))
+def get_my_plant(request: Request, id: str, services: Use, version: Version = None) -> Response:
+    """Return a version of a plant with its text."""
+    by = principal_of(request.scope)
+    return json_response(_whole(services.my_plants.get(id, version, by), by))
+
+
+@router.put(
+    "/my-plants/{id}",
+    response_model=MyPlant,
+    status_code=201,
+    openapi_extra=BODY,
+    responses={200: {"model": MyPlant, "description": "It is the latest version already."}, **documented(413, 422)},
+)
+async def save_my_plant(request: Request, id: str, services: Use, language: Language) -> Response:
+    """Save a text as the next version of a plant. The body is the text, YAML or JSON, also with errors: a draft."""
+    text, by = await _text(request, services), principal_of(request.scope)
+    try:
+        ready = (await computed(request, services, check_text, text, language)).valid
+    except (Busy, OverLimit, LimitReached, Crashed):
+        ready = False  # it is saved in any case
+    before = await run_in_threadpool(lambda: {p.id: p.version for p in services.my_plants.latest(by)}.get(id))
+    saved = await run_in_threadpool(lambda: services.my_plants.save(id, text, ready, by))
+    audit(request, "plant.saved", plant=id, version=saved.version)
+    return json_response(_whole(saved, by), 200 if saved.version == before else 201, {"Location": _address(saved)})
+
+
+@router.delete("/my-plants/{id}", status_code=204, responses=documented(403, 404))
+def delete_my_plant(request: Request, id: str, services: Use) -> Response:
+    """Delete a plant with all its versions. POST …/restore brings it back within 30 days."""
+    services.my_plants.remove(id, principal_of(request.scope))
+    audit(request, "plant.removed", plant=id)
+    return Response(status_code=204)
+
+
+@router.post("/my-plants/{id}/restore", response_model=MyPlant, responses=documented(404))
+def restore_my_plant(request: Request, id: str, services: Use) -> Response:
+    """Bring back a plant that was deleted, with all its versions."""
+    by = principal_of(request.scope)
+    return json_response(_whole(services.my_plants.restore(id, by), by))
+
+
+@router.get("/my-plants/{id}/versions", response_model=MyPlantList, responses=documented(404))
+def list_versions(request: Request, id: str, services: Use) -> Response:
+    """Return all versions of a plant, the latest first."""
+    by = principal_of(request.scope)
+    return json_response({"plants": [line(plant, by) for plant in services.my_plants.versions(id, by)]})
+
+
+async def _text(request: Request, services: Services) -> str:
+    body = await read_bytes(request, services.settings.max_body)
+    try:
+        return body.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise invalid("", None, Message("document.no-utf8", name="plant", byte=error.start)) from None
+
+
+def line(plant: PlantVersion, by: Principal) -> dict[str, Any]:
+    """Return a version of a plant as an entry of a list."""
+    names = ("id", "version", "title", "format", "faults", "ready", "saved")
+    own = {"mine": by.acts_for(plant.owner), "href": _address(plant)}
+    return {name: getattr(plant, name) for name in names} | own
+
+
+def _whole(plant: PlantVersion, by: Principal) -> dict[str, Any]:
+    return line(plant, by) | {"text": plant.text}
+
+
+def _address(plant: PlantVersion) -> str:
+    return f"/api/my-plants/{plant.id}?version={plant.version}"

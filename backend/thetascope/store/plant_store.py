@@ -1,0 +1,129 @@
+"""Saved plants in the store: the text of every version, for each owner."""
+
+import time
+from dataclasses import dataclass, replace
+
+from sqlalchemy import Float, and_, cast, delete, desc, func, insert, select, update
+
+from thetascope.messages import Message
+from thetascope.store.database import Database
+from thetascope.store.errors import Damaged
+from thetascope.store.tables import PLANTS, has_plant, plant_sum
+
+_KEPT = 30 * 24 * 3600.0  # s that a deleted plant can be restored
+
+
+@dataclass(frozen=True)
+class PlantVersion:
+    """One version of a plant of an owner.
+
+    Args:
+        owner, id, version: whose it is, the plant's id, and the number of the version, from 1.
+        title, faults: the plant's title and the number of its fault channels, as far as the text can be read.
+        format: yaml or json.
+        ready: whether the text was a complete plant without errors when it was saved.
+        text: the text, as it was typed.
+        saved: time in s since 1970.
+    """
+
+    owner: str
+    id: str
+    version: int
+    title: str
+    format: str
+    faults: int
+    ready: bool
+    text: str
+    saved: float
+
+
+class PlantStore:
+    """Reads and writes the plants of all owners."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def put(self, plant: PlantVersion) -> PlantVersion:
+        """Store a text as the next version, and return it; the latest one if it is the same text.
+
+        Its number follows that in `plant`, and those of all versions that the owner ever had. A plant that was deleted
+        comes back with the new version only.
+        """
+        clean = replace(plant, text=plant.text.replace("\0", "\ufffd"), title=plant.title.replace("\0", "\ufffd"))
+        mine = (PLANTS.c.owner == clean.owner) & (PLANTS.c.id == clean.id)
+        with self._database.writing() as connection:
+            connection.execute(delete(PLANTS).where(PLANTS.c.removed < time.time() - _KEPT))
+            last = connection.execute(
+                select(PLANTS).where(mine).order_by(desc(PLANTS.c.version)).limit(1)
+            ).one_or_none()
+            if last is not None and last.removed is None and last.text == clean.text and last.ready == clean.ready:
+                return self._version(last)
+            stored = replace(clean, version=max(clean.version, 0 if last is None else last.version) + 1)
+            row = {**vars(stored), "ready": int(stored.ready), "saved": float(stored.saved)}
+            connection.execute(insert(PLANTS), row | {"checksum": plant_sum(_Row(row))})
+        return stored
+
+    def get(self, owner: str | None, id: str, version: int | None = None) -> PlantVersion | None:
+        """Return a version of an owner, or of anybody, by default the latest; None if there is none. Raises Damaged."""
+        query = select(PLANTS).where((PLANTS.c.id == id) & PLANTS.c.removed.is_(None))
+        if owner is not None:
+            query = query.where(PLANTS.c.owner == owner)
+        if version is not None:
+            query = query.where(PLANTS.c.version == version)
+        with self._database.reading() as connection:
+            latest = query.order_by(desc(PLANTS.c.version), desc(PLANTS.c.saved)).limit(1)
+            row = connection.execute(latest).one_or_none()
+        return None if row is None else self._version(row)
+
+    def latest(self) -> list[PlantVersion]:
+        """Return the latest version of each plant of each owner, the one that was saved last first."""
+        newest = (
+            select(PLANTS.c.owner, PLANTS.c.id, func.max(PLANTS.c.version).label("version"))
+            .where(PLANTS.c.removed.is_(None))
+            .group_by(PLANTS.c.owner, PLANTS.c.id)
+            .subquery()
+        )
+        same = [PLANTS.c[name] == newest.c[name] for name in ("owner", "id", "version")]
+        query = select(PLANTS).join(newest, and_(*same)).order_by(desc(PLANTS.c.saved))
+        with self._database.reading() as connection:
+            return [self._version(row, check=False) for row in connection.execute(query)]
+
+    def versions(self, owner: str, id: str) -> list[PlantVersion]:
+        """Return all versions of a plant, the latest first."""
+        query = select(PLANTS).where((PLANTS.c.owner == owner) & (PLANTS.c.id == id) & PLANTS.c.removed.is_(None))
+        with self._database.reading() as connection:
+            return [
+                self._version(row, check=False) for row in connection.execute(query.order_by(desc(PLANTS.c.version)))
+            ]
+
+    def remove(self, owner: str, id: str) -> bool:
+        """Delete a plant with all its versions, which can be restored; return whether there was one."""
+        mine = (PLANTS.c.owner == owner) & (PLANTS.c.id == id) & PLANTS.c.removed.is_(None)
+        with self._database.writing() as connection:
+            return connection.execute(update(PLANTS).where(mine).values(removed=time.time())).rowcount > 0
+
+    def restore(self, owner: str, id: str) -> bool:
+        """Bring back all versions of a plant that was deleted; return whether there were any."""
+        mine = (PLANTS.c.owner == owner) & (PLANTS.c.id == id) & PLANTS.c.removed.is_not(None)
+        with self._database.writing() as connection:
+            return connection.execute(update(PLANTS).where(mine).values(removed=None)).rowcount > 0
+
+    def usage(self, owner: str) -> int:
+        """Return the number of characters of all texts of an owner, those that can be restored included."""
+        size = func.coalesce(func.sum(cast(func.length(PLANTS.c.text), Float)), 0)
+        with self._database.reading() as connection:
+            return int(connection.execute(select(size).where(PLANTS.c.owner == owner)).scalar_one())
+
+    @staticmethod
+    def _version(row, check: bool = True) -> PlantVersion:
+        if check and not has_plant(row):
+            raise Damaged(Message("store.plant-damaged", id=str(row.id)[:64], version=row.version))
+        facts = (row.title, row.format, row.faults, bool(row.ready))
+        return PlantVersion(row.owner, row.id, row.version, *facts, row.text, row.saved)
+
+
+class _Row:
+    """The values of a row by name, before it is written."""
+
+    def __init__(self, values: dict) -> None:
+        vars(self).update(values)

@@ -1,0 +1,161 @@
+"""The check of a plant's text: every error at its characters, and changes that correct it."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from thetascope import library
+from thetascope.messages.catalogue import languages
+from thetascope.runs.plants.plant_text import json_text, plant_data, yaml_text
+from thetascope.runs.plants.text_check import check_text, format_of
+from thetascope.runs.specs.refusals import validated
+from thetascope.runs.specs.spec_files import parse
+from thetascope_schemas.experiment.plant import Plant
+from thetascope_schemas.service.plants.text import PlantTextCheck, TextPlace
+
+TEXT = """id: two-tanks
+title: Two tanks
+states:
+  - {name: h1, unit: cm, initial: 34, domain: [0, 60]}
+  - {name: h2, unit: cm, initial: 20}
+inputs:
+  - {name: q, unit: cm³/s, default: 50}
+outputs:
+  - {name: y1, unit: cm, expression: h1}
+parameters:
+  - {name: A, value: 154, unit: cm², bounds: [1, null]}
+  - {name: g, value: 981}
+definitions:
+  - {name: q12, expression: "2*sqrt(2*g*max(h1 - h2, 0))"}
+  - {name: out, expression: "2*sqrt(2*g*max(h2, 0))"}
+dynamics:
+  h1: (q - q12)/A
+  h2: >-
+    (q12
+     - out)/A
+channels:
+  - {name: leak, kind: process, enters: {h1: -sqrt(h1)}}
+"""
+DOCS = Path(__file__).parents[3] / "docs" / "plant-format.md"
+
+
+def at(text: str, place: TextPlace) -> str:
+    """Return the characters at a place, which count as in an editor."""
+    units = text.split("\n")[place.line - 1].encode("utf-16-le")
+    return units[2 * (place.column - 1) : 2 * (place.column - 1 + place.length)].decode("utf-16-le")
+
+
+def fixed(text: str, answer: PlantTextCheck) -> str:
+    """Return a text after the change of its first error."""
+    fix = answer.errors[0].fix
+    lines = text.split("\n")
+    start = sum(len(line) + 1 for line in lines[: fix.line - 1]) + fix.column - 1
+    return text[:start] + fix.text + text[start + fix.length :]
+
+
+def test_a_plant_without_errors_is_answered_in_full():
+    """The answer holds the plant, its sizes and its equations."""
+    answer = check_text(TEXT, "en")
+    assert answer.valid and answer.errors == () and (answer.id, answer.title) == ("two-tanks", "Two tanks")
+    assert answer.plant == validated(Plant, parse(TEXT).data) and answer.sizes.states == 2
+    assert [line.name for line in answer.equations.states] == ["h1", "h2"]
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "shown"),
+    [
+        ("2*sqrt(2*g*max(h2", "2*sqr(2*g*max(h2", "sqr"),
+        ("2*sqrt(2*g*max(h1", "2*sqrr(2*g*max(h1", "sqrr"),
+        ("- out)/A", "- outt)/A", "outt"),  # on a later line of a folded text
+        ("(q - q12)", "(q − q12)", "−"),
+        ("(q - q12)", "(q q12)", "q12"),
+        ("-sqrt(h1)", "-arctan(h1)", "arctan"),
+        ("-sqrt(h1)", "-ln(h1)", "ln"),
+        ("2*sqrt(2*g*max(h2, 0))", "2sqrt(2*g*max(h2, 0))", "2sqrt"),
+        ('"2*sqrt(2*g*max(h2, 0))"', "2*sqrt(2*g*max(h2, 0))", "2*sqrt(2*g*max(h2, 0))"),  # the comma ends the value
+        ('max(h2, 0))"', 'max(h2, 0)"', "("),
+        ("(q - q12)/A", "(q - q12))/A", ")"),
+        ("initial: 20", "initail: 20", "initail"),
+        ("value: 981", "value: '981'", "'981'"),
+        ("kind: process", "kind: proces", "proces"),
+        ("value: 154", "value: 0.5", "0.5"),
+        ("  h1: (q - q12)/A\n", "", "dynamics"),
+        ("enters: {h1:", "enters: {h11:", "h11"),
+        ("  - {name: q, unit", "  - {nam: q, unit", "nam"),
+    ],
+)
+def test_an_error_has_its_characters_and_a_change_that_corrects_it(right, wrong, shown):
+    """The underlined characters are the wrong ones, and the change gives a text without errors."""
+    text = TEXT.replace(right, wrong)
+    assert text != TEXT
+    answer = check_text(text, "en")
+    (error,) = answer.errors
+    assert at(text, error.place) == shown and answer.plant is None
+    assert check_text(fixed(text, answer), "en").valid
+
+
+def test_every_expression_is_read_after_an_error():
+    """Errors of several expressions come together, in the order of the text."""
+    text = (
+        TEXT.replace("2*sqrt(2*g*max(h1", "2*sqr(2*g*max(h1").replace("- out)", "- outt)").replace("sqrt(h1)", "f(h1)")
+    )
+    answer = check_text(text, "en")
+    assert [at(text, error.place) for error in answer.errors] == ["sqr", "outt", "f"]
+    assert [error.field for error in answer.errors][:2] == ["definitions[0].expression", "dynamics.h2"]
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [("", 1), ("hello", 1), ("id: [", 1), ("id: a\nstates:\n  - {name: h,\ninputs: 1\n", 4), ("a: &b 1\nc: *b\n", 1)],
+)
+def test_text_that_is_no_plant_has_an_error_at_a_place(text, line):
+    """Also a text that is no YAML gets a line within the text."""
+    answer = check_text(text, "en")
+    assert not answer.valid and answer.errors[0].place.line == line and answer.errors[0].remedy
+
+
+@pytest.mark.parametrize(
+    "written",
+    ['"2*\\u0073qr(q)"', "'2*sqr(q)'", "2*sqr(q)", '"2*\n    sqr(q)"', "|\n    2*sqr(q)", ">\n    2*\n    sqr(q)"],
+)
+def test_places_count_quotes_escapes_and_line_breaks(written):
+    """The name is found in the source, whatever the style of the YAML scalar."""
+    text = TEXT.replace("(q - q12)/A", written)
+    (error,) = check_text(text, "en").errors
+    shown = at(text, error.place)
+    assert shown in ("sqr", "\\u0073qr") and error.fix.text == "sqrt"
+
+
+def test_columns_are_those_of_an_editor():
+    """A character beyond the basic plane counts as two, as in JavaScript."""
+    text = TEXT.replace("{name: leak, ", "{name: leak, title: 𝄞, ").replace("-sqrt", "-sqr")
+    (error,) = check_text(text, "en").errors
+    assert at(text, error.place) == "sqr"
+
+
+@pytest.mark.parametrize("id", sorted(library.plants()))
+@pytest.mark.parametrize("language", languages())
+def test_a_library_plant_as_text_is_the_plant(id, language):
+    """YAML and JSON that are written for the editor are read as the same plant, in each language."""
+    plant = library.plant(id)
+    expected = plant.model_dump(mode="json", context={"language": language})
+    for text, kind in (
+        (yaml_text(plant_data(plant, language)), "yaml"),
+        (json_text(plant_data(plant, language)), "json"),
+    ):
+        read = validated(Plant, parse(text).data)
+        assert read.model_dump(mode="json", context={"language": language}) == expected and format_of(text) == kind
+
+
+def test_the_examples_of_the_documentation_are_valid_as_they_are_pasted():
+    """Every complete plant in docs/plant-format.md can be pasted."""
+    blocks = re.findall(r"```yaml\n(id: .*?)```", DOCS.read_text(), re.DOTALL)
+    answers = [check_text(block, "en") for block in blocks]
+    assert len(blocks) >= 5 and [answer.errors for answer in answers] == [()] * len(blocks)
+
+
+def test_sentences_are_in_the_chosen_language():
+    """The problem and the remedy are Chinese, without a column: the editor shows the place."""
+    (error,) = check_text(TEXT.replace("2*sqrt(2*g*max(h2", "2*sqr(2*g*max(h2"), "zh").errors
+    assert re.search("[\u4e00-\u9fff]", error.problem) and "sqrt" in error.remedy and "列" not in error.problem
