@@ -18,10 +18,10 @@ ROOT = Path(__file__).parents[2]
 
 
 def _started(
-    arguments: list[str], environment: dict[str, str], stderr: IO[bytes] | None
+    arguments: list[str], environment: dict[str, str], stderr: IO[bytes] | None, own_workers: bool
 ) -> subprocess.Popen | prepared_services.Service:
     if hasattr(os, "fork"):
-        return prepared_services.Service(arguments, environment, stderr)
+        return prepared_services.Service(arguments, environment, stderr, own_workers)
     command = [sys.executable, "-m", "thetascope.cli.main", *arguments]
     return subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=stderr, text=True)
 
@@ -30,16 +30,19 @@ Started = tuple[subprocess.Popen | prepared_services.Service, str]
 
 
 @contextmanager
-def process(data: Path, stderr: IO[bytes] | None = None, **settings: object) -> Iterator[Started]:
+def process(
+    data: Path, stderr: IO[bytes] | None = None, own_workers: bool = False, **settings: object
+) -> Iterator[Started]:
     """Start the service on a free port; return its process and address. Settings as in backend/thetascope/settings.py.
 
-    `stderr` gets its log lines. Computations have more time than by default: the tests share the processors.
+    `stderr` gets its log lines. With `own_workers` its worker processes are its descendants. Computations have more
+    time than by default: the tests share the processors.
     """
     environment = {name: value for name, value in os.environ.items() if not name.startswith("THETASCOPE_")}
     defaults = {"prepare": 0, "job_seconds": 300, "job_cpu": 300}
     environment |= {f"THETASCOPE_{name.upper()}": str(value) for name, value in {**defaults, **settings}.items()}
     environment |= {"THETASCOPE_DATA": str(data), "PYTHONUNBUFFERED": "1"}
-    started = _started(["serve", "--port", "0"], environment, stderr)
+    started = _started(["serve", "--port", "0"], environment, stderr, own_workers)
     try:
         line = started.stdout.readline()
         assert "http://" in line, f"the service did not start: {line!r}"

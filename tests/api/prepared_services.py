@@ -1,7 +1,8 @@
 """Services that start in a tenth of the time: copies of one process that has imported the program.
 
-A copy runs `thetascope serve` with an environment and an output of its own, as a new process would. Tests of the
-command line, of the README and of the page start new processes.
+A copy runs `thetascope serve` with an environment and an output of its own, as a new process would. Copies share a fork
+server, which imports SymPy and the engine once, unless a test looks at a service's own workers. Tests of the command
+line, of the README and of the page start new processes.
 """
 
 import atexit
@@ -14,6 +15,7 @@ import socket
 import subprocess
 import sys
 from functools import cache
+from multiprocessing import forkserver
 from pathlib import Path
 from typing import IO
 
@@ -22,12 +24,14 @@ PRELOADED = ("thetascope.server.app", "thetascope.assembly", "thetascope.live.sc
 
 
 class Service:
-    """A service that was started; a part of the interface of `subprocess.Popen`."""
+    """A service that was started; a part of the interface of `subprocess.Popen`. Its fork server may be its own."""
 
-    def __init__(self, arguments: list[str], environment: dict[str, str], stderr: IO[bytes] | None) -> None:
+    def __init__(
+        self, arguments: list[str], environment: dict[str, str], stderr: IO[bytes] | None, own: bool = False
+    ) -> None:
         output, written = os.pipe()
         status, code = os.pipe()
-        given = json.dumps([arguments, environment]).encode()
+        given = json.dumps([arguments, environment, own]).encode()
         socket.send_fds(_original(), [given], [written, stderr.fileno() if stderr else 2, code])
         os.close(written)
         os.close(code)
@@ -71,6 +75,10 @@ def main() -> int:
     """Copy this process for each request, until there are no more; return the exit code of the program in a copy."""
     for module in PRELOADED:
         __import__(module)
+    from thetascope.api.http import services
+
+    services.preload(services.PRELOADED)
+    forkserver.ensure_running()
     gc.collect()
     gc.freeze()
     requests = socket.socket(fileno=int(sys.argv[1]))
@@ -88,7 +96,7 @@ def main() -> int:
         _forget_ended()
 
 
-def _serve(arguments: list[str], environment: dict[str, str], output: int, errors: int, code: int) -> int:
+def _serve(arguments: list[str], environment: dict[str, str], own: bool, output: int, errors: int, code: int) -> int:
     from thetascope.cli.main import main as program
 
     os.dup2(output, 1)
@@ -97,6 +105,10 @@ def _serve(arguments: list[str], environment: dict[str, str], output: int, error
         os.close(file)
     os.environ.clear()
     os.environ.update(environment)
+    if own:
+        forkserver._forkserver.__init__()
+    else:  # a copy is not the parent of the fork server, and cannot ask whether it runs
+        forkserver._forkserver.ensure_running = lambda: None
     return program(arguments)
 
 

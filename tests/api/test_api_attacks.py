@@ -33,7 +33,8 @@ Service = tuple[subprocess.Popen, str]
 def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """Start a service whose computations may take little more than a second of processor time."""
     folder = tmp_path_factory.mktemp("guarded")
-    with process(folder, job_cpu=1.2, job_seconds=8, max_seconds=4, workers=2) as started:
+    settings = {"job_cpu": 1.2, "job_seconds": 8, "max_seconds": 4, "workers": 2}
+    with process(folder, own_workers=True, **settings) as started:
         until(lambda: all(send(started[1], *probe)[0] < 300 for probe in probes(0)))  # compiles what users share
         yield started
 
@@ -128,7 +129,7 @@ def health(address: str) -> dict:
 
 def test_a_signal_ends_the_service_while_it_computes(tmp_path):
     """It ends with its workers, and clients that wait for a computation get an answer."""
-    with process(tmp_path, job_seconds=60, job_cpu=60) as (started, address):
+    with process(tmp_path, own_workers=True, job_seconds=60, job_cpu=60) as (started, address):
         answers: list[tuple[int, dict]] = []
         requests = [(CHECK, attacks.wide()), (SESSION, attacks.later()), (RUN, attacks.longest())]
         threads = [threading.Thread(target=lambda r=r: answers.append(send(address, *r))) for r in requests]
