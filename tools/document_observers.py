@@ -120,7 +120,7 @@ def gain(g: Gain) -> str:
     """Return a row of the table of gains."""
     symbol = f" ({g.symbol})" if g.symbol else ""
     default = "from the plant" if callable(g.default) else f"{g.default:g}"
-    return f"| `{g.name}`{symbol} | {cell(str(g.meaning))}{size(g)} | {default} | {bounds(g)} | {g.unit} |"
+    return f"| `{g.name}`{symbol} | {cell(str(g.meaning))}{size(g)} | {default} | {bounds(g)} | {g.unit.words} |"
 
 
 def bounds(g: Gain) -> str:

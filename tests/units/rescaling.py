@@ -5,6 +5,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from random import Random
 
+import numpy as np
+
+from thetascope.assembly import prepare
+from thetascope.assembly.build.gain_values import from_parameters
+from thetascope.engine.observers.support.declaration import Context, Gain
+from thetascope.engine.simulation.experiment import Estimator
 from thetascope_schemas import ResolvedExperiment
 
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
@@ -61,8 +67,8 @@ def rescaled(spec: ResolvedExperiment, units: Units) -> ResolvedExperiment:
         data[name] = None if data[name] is None else units.time * data[name]
     if data["measurement"]["mode"] == "sampled":
         data["measurement"]["period"] *= units.time
-    for observer in data["observers"]:
-        assert not observer["gains"], "gains have units of their own"
+    for observer, estimator in zip(data["observers"], prepare(spec).engine.estimators, strict=True):
+        observer["gains"] = converted_gains(observer["gains"], estimator, units)
         observer["initial"] = {n: units.of(n) * v for n, v in observer["initial"].items()}
         if "period" in observer["options"]:
             observer["options"]["period"] *= units.time
@@ -70,6 +76,40 @@ def rescaled(spec: ResolvedExperiment, units: Units) -> ResolvedExperiment:
     if data["diagnosis"]["span"] is not None:
         data["diagnosis"]["span"] *= units.time
     return ResolvedExperiment.model_validate(data)
+
+
+def converted_gains(gains: Mapping, estimator: Estimator, units: Units) -> dict:
+    """Return gains that an experiment gives to an observer, in other units."""
+    context, converted = estimator.context, {}
+    for gain in estimator.kind.gains:
+        if gain.name in gains:
+            values = from_parameters(gain.name, gain.shape(context), estimator.parameters)
+            converted[gain.name] = (np.asarray(values) * gain_factors(gain, context, units)).tolist()
+    return converted
+
+
+def gain_factors(gain: Gain, context: Context, units: Units) -> np.ndarray | float:
+    """Return the factor of a gain, of each of its rows, or of each entry, from the dimension that it declares."""
+    outputs = [item["name"] for item in context.model["outputs"]]
+    rows, columns = gain.row_labels(context), gain.column_labels(context)
+    orders = gain.orders(context) if gain.orders else [1] * len(rows)
+
+    def factor(row: str, column: str) -> float:
+        of_output = row if row in outputs else column if column in outputs else outputs[0]
+        # a level for all faults together belongs to the first: it enters no estimate
+        of_fault, unit = row if row in context.channels else next(iter(context.channels), ""), gain.unit
+        return (
+            units.of(row) ** unit.state
+            * units.of(of_output) ** unit.output
+            * units.of(of_fault) ** unit.fault
+            * units.time**unit.time
+        )
+
+    if not rows:
+        return factor("", "")
+    if not columns:
+        return np.array([factor(row, "") ** order for row, order in zip(rows, orders, strict=True)])
+    return np.array([[factor(row, column) for column in columns] for row in rows])
 
 
 def _text(units: Units) -> Callable[[str, float], str]:

@@ -3,12 +3,33 @@
 import numpy as np
 import pytest
 
-from tests.units.test_units import GENERAL, MANY, with_observers
+from tests.units.rescaling import gain_factors, random_units, rescaled
+from tests.units.test_units import CHANNELS, GENERAL, MANY, PLANTS, plain, with_observers
+from thetascope import library
 from thetascope.assembly import prepare
+from thetascope.assembly.build.gain_values import from_parameters
 from thetascope.engine.observers.registry import kinds
 from thetascope_schemas import ResolvedExperiment
 
+FAST = ("shen-hu-2015", "zhou-tan-2012", "friction-motor", "reduced-order-mimo")
+OF_ALL_FAULTS = {("zhao-adaptive", "delta")}  # one level for faults of unlike units, which enters a check only
 MORE = pytest.mark.skipif(not MANY, reason="THETASCOPE_UNITS is not set")
+
+
+@pytest.mark.parametrize("name", [p if p in FAST else pytest.param(p, marks=MORE) for p in PLANTS])
+def test_defaults_convert_as_their_units_say(name):
+    """In other units every default gain of every observer that fits is the old one, converted by its dimension."""
+    spec = with_observers(plain(library.resolve(library.experiment(name))), kinds(), CHANNELS.get(name, ""))
+    units = random_units(spec, 3)
+    pairs = zip(prepare(spec).engine.estimators, prepare(rescaled(spec, units)).engine.estimators, strict=True)
+    for old, new in pairs:
+        for gain in old.kind.gains:
+            before, after = (
+                np.asarray(from_parameters(gain.name, gain.shape(e.context), e.parameters)) for e in (old, new)
+            )
+            expected = before * gain_factors(gain, old.context, units)
+            close = np.allclose(after, expected, rtol=1e-8, atol=1e-12 * np.abs(expected).max(initial=0.0))
+            assert close or (old.kind.id, gain.name) in OF_ALL_FAULTS, (old.kind.id, gain.name)
 
 
 @pytest.mark.parametrize(

@@ -103,7 +103,7 @@ def test_the_linear_observers_agree_with_dop853():
 @pytest.mark.parametrize("gains", [shen_hu.PAPER_GAINS, shen_hu.Gains((4.0, 5.0), 0.5, 0.7, 20.0)])
 def test_the_nonsmooth_observer_agrees_with_dop853_off_its_corner(gains):
     """The slope of ⌊e⌉^α is unbounded at 0, which costs digits at each sign change of e1; also for other gains."""
-    config = {"K": list(gains.K), "rho": gains.rho, "alpha": gains.alpha, "lambda": gains.lam}
+    config = {"K": list(gains.K), "rho": gains.rho, "alpha": gains.alpha, "lambda": gains.lam, "e0": 1.0}
     first = library.experiment("shen-hu-2015-noise-free").observers[0].model_copy(update={"gains": config})
     run = paper(horizon=10.0, evaluate=0.01, observers=(first,), figures=())
     exact = shen_hu.dop853(scenario=shen_hu.paper_scenario(horizon=10.0), gains=gains)
@@ -124,7 +124,7 @@ def test_with_noise_the_run_is_the_reference_with_the_same_noise():
 def test_a_chain_of_three_states_and_two_parameters():
     """(11)–(12) for n = 3, p = 2, the direction depending on a parameter of the plant, against DOP853."""
     gains = shen_hu.CHAIN_GAINS
-    config = {"K": list(gains.K), "rho": gains.rho, "alpha": gains.alpha, "lambda": gains.lam}
+    config = {"K": list(gains.K), "rho": gains.rho, "alpha": gains.alpha, "lambda": gains.lam, "e0": 1.0}
     run = simulate(library.resolve(chain(gains=config)))
     exact = shen_hu.dop853(shen_hu.CHAIN, shen_hu.chain_scenario(), gains)
     expected = np.hstack([exact["xhat"], exact["thetahat"]])
@@ -228,8 +228,11 @@ def test_gains_too_small_for_the_direction_fail_the_inequality():
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"outputs": [{"name": "y", "expression": "x2"}]}, "not its first state x1"),
-        ({"outputs": [{"name": "y", "expression": "x1"}, {"name": "z", "expression": "x2"}]}, "not its first state"),
+        ({"outputs": [{"name": "y", "expression": "x2"}]}, "not a constant multiple of its first state x1"),
+        (
+            {"outputs": [{"name": "y", "expression": "x1"}, {"name": "z", "expression": "x2"}]},
+            "not a constant multiple of its first state",
+        ),
         ({"channels": [{"name": "theta1", "kind": "process", "enters": {"x2": "w1"}}]}, "would never move"),
         ({"channels": [{"name": "theta1", "kind": "sensor", "enters": {"y": "1"}}]}, "enters the output"),
         ({"channels": []}, "no fault channel"),

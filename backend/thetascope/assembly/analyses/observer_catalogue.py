@@ -27,10 +27,10 @@ def _kind(kind: Observer, language: str) -> dict:
 
 def _gain(gain: Gain, language: str) -> dict:
     plain = {field.name: getattr(gain, field.name) for field in fields(gain)}
-    plain["meaning"], plain["unit"] = text_of(gain.meaning, language), text_of(gain.unit, language)
+    plain["meaning"], plain["unit"] = text_of(gain.meaning, language), text_of(gain.unit.words, language)
     plain["default"] = None if callable(gain.default) else gain.default  # None: it depends on plant and noise
     plain["size"], plain["columns"] = _counted(gain.size, language), _counted(gain.columns, language)
-    del plain["rows"]  # labels depend on the plant, see POST /api/gains
+    del plain["rows"], plain["orders"]  # labels depend on the plant, see POST /api/gains
     return plain
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from thetascope.engine.compiler.autodiff import derivatives
 from thetascope.engine.compiler.composite import interpolate
 from thetascope.engine.compiler.graph import LEAVES, UNARY_FUNCTIONS, Graph, evaluate
+from thetascope.engine.language.builtins import REST
 from thetascope.engine.language.lazy_sympy import sympy
 
 _BY_NAME = {name: name for name in UNARY_FUNCTIONS} | {
@@ -156,9 +157,11 @@ class Lowering:
 
     def _backlash(self, x: int, dx: int, z: int, m1: int, m2: int, d1: int, d2: int) -> int:
         """Return the backlash operator of Zhou & Tan (6)–(9): m1·(x − D1) rising, m2·(x + D2) falling, otherwise z."""
-        g, zero = self.graph, self.graph.const(0.0)
-        rising = g.call("and", g.call("lt", g.add(g.div(z, m1), d1), x), g.call("lt", zero, dx))
-        falling = g.call("and", g.call("lt", x, g.sub(g.div(z, m2), d2)), g.call("lt", dx, zero))
+        g = self.graph
+        size = g.add(g.call("abs", x), g.add(g.call("abs", d1), g.call("abs", d2)))
+        still = g.mul(g.const(REST), size)
+        rising = g.call("and", g.call("lt", g.add(g.div(z, m1), d1), x), g.call("lt", still, dx))
+        falling = g.call("and", g.call("lt", x, g.sub(g.div(z, m2), d2)), g.call("lt", dx, g.neg(still)))
         inner = g.call("where", falling, g.mul(m2, g.add(x, d2)), z)
         return g.call("where", rising, g.mul(m1, g.sub(x, d1)), inner)
 

@@ -39,11 +39,18 @@ def signed_power(x: float, a: float) -> float:
     return abs(x) ** a * sign(x)
 
 
+REST = 1e-12  # of x and the widths of a play operator: a Δx below it counts as zero
+
+
 def backlash(x: float, dx: float, z: float, m1: float, m2: float, D1: float, D2: float) -> float:
-    """Return z(k) of the play operator, Zhou & Tan 2012 (6)–(9), from x(k), Δx = x(k) − x(k−1) and z(k−1)."""
-    if x > z / m1 + D1 and dx > 0:
+    """Return z(k) of the play operator, Zhou & Tan 2012 (6)–(9), from x(k), Δx = x(k) − x(k−1) and z(k−1).
+
+    A Δx within the rounding of x counts as zero: where z is an estimate far from x, the operator jumps there.
+    """
+    still = REST * (abs(x) + abs(D1) + abs(D2))
+    if x > z / m1 + D1 and dx > still:
         return m1 * (x - D1)
-    return m2 * (x + D2) if x < z / m2 - D2 and dx < 0 else z
+    return m2 * (x + D2) if x < z / m2 - D2 and dx < -still else z
 
 
 def _one(compute: Callable[[float], float]) -> LanguageFunction:

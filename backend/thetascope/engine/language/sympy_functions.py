@@ -238,7 +238,8 @@ class Backlash(Real):
     def zones(self) -> tuple[Expr, Expr]:
         """Return the switching functions g1 (rising) and g2 (falling) of (7), each 1 or 0."""
         x, dx, z, m1, m2, D1, D2 = self.args
-        return And_(Less(z / m1 + D1, x), Less(ZERO, dx)), And_(Less(x, z / m2 - D2), Less(dx, ZERO))
+        still = Float(builtins.REST) * (Abs(x) + Abs(D1) + Abs(D2))
+        return And_(Less(z / m1 + D1, x), Less(still, dx)), And_(Less(x, z / m2 - D2), Less(dx, -still))
 
     def fdiff(self, argindex: int = 1) -> Expr:
         """Return the derivative in the zone that the operator is in: rising, falling or memory."""

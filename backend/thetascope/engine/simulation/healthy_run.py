@@ -117,9 +117,7 @@ class _Healthy:
         e, n = self.experiment, len(self.experiment.plant.states)
         if not len(rows) or not n:
             return 0.0
-        values = self._values(rows)
-        A = _jacobians(e.plant, values, len(rows))
-        A = A[np.isfinite(A).all(axis=(1, 2))]
+        A = self._finite_jacobians(rows)
         if not len(A):
             return 0.0
         with np.errstate(all="ignore"):
@@ -132,9 +130,28 @@ class _Healthy:
         slowest = slowest[np.isfinite(slowest)]
         return float(np.median(slowest)) if len(slowest) else 0.0
 
+    def _finite_jacobians(self, rows: np.ndarray) -> np.ndarray:
+        """Return ∂f/∂x (points, n, n) at those of some rows where it is finite."""
+        A = _jacobians(self.experiment.plant, self._values(rows), len(rows))
+        return A[np.isfinite(A).all(axis=(1, 2))]
+
+    def _points(self, rows: int) -> np.ndarray:
+        """Return the rows at which derivatives are computed."""
+        return np.unique(np.linspace(0, rows - 1, _POINTS).astype(int)) if rows else np.zeros(0, dtype=int)
+
+    def _chain(self) -> tuple[float, ...]:
+        """Return `Scales.chain`."""
+        e, points = self.experiment, self._points(len(self.x))
+        A = self._finite_jacobians(points) if len(points) else np.zeros((0, 0, 0))
+        if len(e.plant.outputs) != 1 or not len(A):
+            return ()
+        C = _slopes(e.plant, tuple(e.plant.outputs.values()), self._values(points), len(points))[:, 0, 0]
+        first = float(np.median(C[np.isfinite(C)])) if np.isfinite(C).any() else 0.0
+        return (first, *(float(a) for a in np.median(np.diagonal(A, 1, axis1=1, axis2=2), axis=0)))
+
     def _pace(self, rows: int) -> float:
         """Return the rate of the plant; without eigenvalues that of its motion, without motion ten times 1/span."""
-        rate = self._rate(np.unique(np.linspace(0, rows - 1, _POINTS).astype(int))) if rows else 0.0
+        rate = self._rate(self._points(rows)) if rows else 0.0
         if rate > 0:
             return rate
         x, t = self.x[:rows], self.index[:rows] * self.experiment.step
@@ -178,7 +195,7 @@ class _Healthy:
         largest = np.abs(self.x).max(axis=0, initial=0.0) if self.stable else self.base
         extents = np.maximum(np.maximum(x, largest), self.base)
         of_x, of_y, of_extents = (tuple(map(float, values)) for values in (x, y, extents))
-        return Scales(of_x, of_y, of_extents, rate, self.span, self._amplification(extents))
+        return Scales(of_x, of_y, of_extents, rate, self.span, self._amplification(extents), self._chain())
 
     def _amplification(self, extents: np.ndarray) -> float:
         """Return the largest growth of a small change between two rows, relative to ``extents``; at least 1."""

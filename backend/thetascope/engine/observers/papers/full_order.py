@@ -18,10 +18,12 @@ from thetascope.engine.observers.papers.reduced_order import (
     describe,
     eigenvalues,
     local,
+    orders,
     parameters,
     relative_degree,
 )
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
+from thetascope.engine.observers.support.dimensions import RATE_TO_ORDER
 from thetascope.engine.observers.support.draft import Draft, Matrix
 from thetascope.engine.observers.support.kalman_defaults import pace
 from thetascope.messages import Message
@@ -41,6 +43,8 @@ L = Gain(
     size="n",
     rows=lambda context: normal_form(Model(context.model)).coordinate_names,
     symbol="L",
+    unit=RATE_TO_ORDER,
+    orders=lambda context: orders(normal_form(Model(context.model)).blocks),
 )
 
 

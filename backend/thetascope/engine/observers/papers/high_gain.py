@@ -16,6 +16,7 @@ from thetascope.engine.model.result import Check
 from thetascope.engine.observers.forms.observable_form import CanonicalForm, canonical_form
 from thetascope.engine.observers.support.common_checks import gain_at_least, stable, verdict
 from thetascope.engine.observers.support.declaration import Gain, Observed, Observer
+from thetascope.engine.observers.support.dimensions import RATE
 from thetascope.engine.observers.support.draft import Draft, ModelAt
 from thetascope.engine.observers.support.draft_linalg import solve
 from thetascope.engine.observers.support.kalman_defaults import pace
@@ -24,7 +25,7 @@ from thetascope.messages import Message
 
 FAST = 50.0  # times the plant's slowest rate: ρ = 4 for the paper's plant, as in the paper
 
-RHO = Gain("rho", Message("gain.high-gain"), lambda c: FAST * pace(c), positive=True, symbol="ρ", unit="1/s")
+RHO = Gain("rho", Message("gain.high-gain"), lambda c: FAST * pace(c), positive=True, symbol="ρ", unit=RATE)
 
 
 def k0(n: int) -> Matrix:

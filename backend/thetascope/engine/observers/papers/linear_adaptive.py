@@ -6,6 +6,10 @@
 for one output y = Cx, C the first state, e1 = y − ŷ. Any plant is A x + γ with γ = f − A x, A the chain of
 integrators. The paper's f is the plant's Φ here; g and P come from the matching condition (8), see
 matching_condition.py. What the nonsmooth observer (nonsmooth_adaptive.py) shares with it is written here.
+
+States and outputs may have any units, faults too: y = c x1 + c0, and K, λ and g have the units that follow from (11)
+and (12), with one λ for each fault. The paper's coordinates, in which its conditions are examined, are z = T x: z1 is y
+without its offset, and z_i' = z_(i+1) + …, T being diagonal (`to_chain`).
 """
 
 from __future__ import annotations
@@ -18,15 +22,19 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.model.result import CANNOT_TELL, FAILS, HOLDS, Check
-from thetascope.engine.observers.forms.matching_condition import closed, direction, find_P, lyapunov_margin
+from thetascope.engine.observers.forms.matching_condition import closed, direction, find_P, lyapunov_margin, shift
 from thetascope.engine.observers.forms.sizes import TooLarge, expanded
 from thetascope.engine.observers.support.common_checks import NO_ESTIMATE, stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
+from thetascope.engine.observers.support.dimensions import FAULT_PER_OUTPUT_SQUARED, STATE_PER_OUTPUT_SECOND
 from thetascope.engine.observers.support.draft import Draft, Matrix, ModelAt
 from thetascope.engine.observers.support.kalman_defaults import output_scales, pace, typical_sizes
+from thetascope.engine.observers.support.matrices import column
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from sympy import Expr, Symbol
 
 SOURCE = "Shen & Hu 2015"
@@ -38,20 +46,40 @@ def default_K(context: Context) -> list[float]:
     For the paper's plant it is about the paper's (3, 2).
     """
     omega = _FAST * pace(context)
-    return [float(k) for k in np.poly(-omega * np.arange(1.0, context.n + 1))[1:]]
+    model = Model(context.model)
+    values = {s: float(p["value"]) for s, p in zip(model.parameters, model.data["parameters"], strict=True)}
+    slopes = [0.0 if e is None else float(e.xreplace(values)) for e in chain_slopes(model)]
+    return [float(k) for k in np.poly(-omega * np.arange(1.0, context.n + 1))[1:] / to_chain(context, slopes)]
 
 
-def default_lambda(context: Context) -> float:
-    """Return λ in the units of fault²/output², 10 for the paper's plant. Faults of unlike size share it."""
-    sizes = typical_sizes(context) or [1.0]
-    return float(10 * np.exp(2 * np.mean(np.log(sizes))) / output_scales(context)[0] ** 2)
+def default_lambda(context: Context) -> list[float]:
+    """Return λ of each fault, 10 for the paper's plant."""
+    return [10 * (size / output_scales(context)[0]) ** 2 for size in typical_sizes(context)]
+
+
+def chain_slopes(model: Model) -> list[Expr | None]:
+    """Return c, and the constant factor of the next state in each state's rate; None where there is none (n,)."""
+    flat = model.f.xreplace(model.expansion)
+    return [output_slope(model), *(_factor(flat[i], model.x[i + 1], model) for i in range(model.n - 1))]
+
+
+def to_chain(context: Context, slopes: Sequence[float]) -> np.ndarray:
+    """Return the diagonal of T (n,) for the numbers of `chain_slopes`, 0 for None.
+
+    Where a plant has no such factor, it is no chain. Then the median slope along the healthy run takes its place, or if
+    that is 0 the scales of both states.
+    """
+    x, y, omega = context.scales.states, context.scales.outputs[0], _FAST * pace(context)
+    along = context.scales.chain or (0.0,) * context.n
+    by_scale = [y / x[0], *(omega * x[i] / x[i + 1] for i in range(context.n - 1))]
+    return np.cumprod([a or b or c for a, b, c in zip(slopes, along, by_scale, strict=True)])
 
 
 _FAST = 14.0  # times the plant's slowest rate
 
-K = Gain("K", Message("gain.injection-k"), default_K, None, size="n", symbol="K")
+K = Gain("K", Message("gain.injection-k"), default_K, None, size="n", symbol="K", unit=STATE_PER_OUTPUT_SECOND)
 LAMBDA = Gain(
-    "lambda", Message("gain.adaptation-rate"), default_lambda, symbol="λ", unit=Message("unit.fault-per-output-squared")
+    "lambda", Message("gain.adaptation-rate"), default_lambda, size="p", symbol="λ", unit=FAULT_PER_OUTPUT_SQUARED
 )
 
 
@@ -59,12 +87,21 @@ def write(d: Draft) -> None:
     """Write the equations of the observer. Raises SpecError for a plant that is not of the form (1)."""
     x, theta, at, e1 = begin(d)
     d.set(x, at.f + at.Phi @ theta + d.gain("K") * e1)  # (11)
-    d.set(theta, d.gain("lambda") * g(at) * e1)  # (12)
+    d.set(theta, adaptation(d, at, e1))  # (12)
 
 
-def g(at: ModelAt) -> Matrix:
-    """Return g = (CΦ)ᵀ (p×1), from (8) with P d = Cᵀ."""
-    return at.Phi[0, :].T
+def adaptation(d: Draft, at: ModelAt, e1: Expr) -> Matrix:
+    """Return λ g e1 (p×1) of (12), where g = (CΦ)ᵀ follows from (8) with P d = Cᵀ."""
+    g = (at.matrix([output_slope(d.model)])[0] * at.Phi[0, :]).T
+    return column([rate * of_channel * e1 for rate, of_channel in zip(d.gain("lambda"), g, strict=True)])
+
+
+def output_slope(model: Model) -> Expr | None:
+    """Return c of y = c x1 + c0, both free of states, inputs, signals and t; None where y is not of this form."""
+    h = model.h.xreplace(model.expansion)[0]
+    slope = sympy.diff(h, model.x[0])
+    constant = slope.free_symbols <= set(model.parameters)
+    return slope if constant and slope != 0 and h.free_symbols <= {model.x[0], *model.parameters} else None
 
 
 def begin(d: Draft) -> tuple[Matrix, Matrix, ModelAt, Expr]:
@@ -72,14 +109,14 @@ def begin(d: Draft) -> tuple[Matrix, Matrix, ModelAt, Expr]:
     model = d.model
     require(model.time == "continuous", model, Message("observer.reason.discrete"))
     first_state = Message("observer.reason.not-first-state", state=model.states[0])
-    require(model.m == 1 and model.h[0] == model.x[0], model, first_state)
+    require(model.m == 1 and output_slope(model) is not None, model, first_state)
     require(d.p > 0, model, Message("observer.reason.no-channel"))
     sensors = [c for c, psi in zip(d.channels, model.Psi(d.channels), strict=True) if psi != 0]
     require(not sensors, model, Message("observer.reason.sensor-fault", names=sensors))
     x, theta = d.estimate_of_state(), d.estimate_of_theta()
     at = d.at(x, theta)
-    e1 = d.let("e1", d.measured()[0] - x[0])
-    d.estimates(x, theta, [x[0]])
+    e1 = d.let("e1", d.measured()[0] - at.h[0])
+    d.estimates(x, theta, at.h)
     describe(d, at)
     return x, theta, at, e1
 
@@ -91,7 +128,7 @@ def require(condition: bool, model: Model, why: Message) -> None:
 
 
 def describe(d: Draft, at: ModelAt) -> None:
-    """Add the outputs that the checks need: the direction d, Φ and the Jacobian of γ at x̂."""
+    """Add the outputs that the checks need: the direction d, Φ and the Jacobian of f at x̂."""
     model = d.model
     vector, reason = direction(model, d.channels)
     d.facts["matching"] = reason.as_data() if reason else None
@@ -99,19 +136,20 @@ def describe(d: Draft, at: ModelAt) -> None:
         d.facts["direction"] = [str(e) for e in vector]
         d.outputs("direction", at.matrix(vector))
     d.outputs("Phi", at.Phi)
-    gamma = sympy.Matrix(model.f) - sympy.Matrix([*model.x[1:], 0])
-    d.outputs("Dgamma", at.matrix(model.jacobian(gamma)))
+    d.outputs("Df", at.matrix(model.jacobian(sympy.Matrix(model.f))))
     d.facts["affine"] = all(model.is_affine)
-    flat = model.f.xreplace(model.expansion)
-    d.facts["chain"] = all(_adds(flat[i], model.x[i + 1]) for i in range(model.n - 1))
+    slopes = chain_slopes(model)
+    d.facts["chain"] = None not in slopes
+    d.outputs("chain", at.matrix([sympy.S.Zero if e is None else e for e in slopes]))
 
 
-def _adds(e: Expr, x: Symbol) -> bool:
-    """Return whether the coefficient of x in an expression is 1; False where it has too many terms to tell."""
+def _factor(e: Expr, x: Symbol, model: Model) -> Expr | None:
+    """Return the constant factor of a term x; None without one, or with too many terms to tell."""
     try:
-        return expanded(e).coeff(x) == 1
+        factor = expanded(e).coeff(x)
     except TooLarge:
-        return False
+        return None
+    return factor if factor != 0 and factor.free_symbols <= set(model.parameters) else None
 
 
 # ---- the assumptions of Theorem 1 ------------------------------------------------------------------------------------
@@ -119,7 +157,7 @@ def _adds(e: Expr, x: Symbol) -> bool:
 
 def checks(run: Observed) -> list[Check]:
     """Check the assumptions on this plant, these gains and this run."""
-    k = run.gains("K")
+    k = chain_gains(run)
     P = matched(run)
     return [
         chain_check(run),
@@ -137,16 +175,31 @@ def chain_check(run: Observed) -> Check:
     return Check(Message("check.chain"), verdict(True if chain else None), text, source=f"{SOURCE}, eq. (1)")
 
 
+def chain_gains(run: Observed) -> np.ndarray:
+    """Return K (n,) in the paper's coordinates."""
+    return run.gains("K") * coordinates(run)
+
+
+def coordinates(run: Observed) -> np.ndarray:
+    """Return the diagonal of T (n,)."""
+    return to_chain(run.context, [_constant(run, f"chain.{i}.0") for i in range(run.context.n)])
+
+
+def _constant(run: Observed, name: str) -> float:
+    return float(np.ravel(run.values[name])[0])
+
+
 def matched(run: Observed) -> np.ndarray | None:
-    """P for the gains of this run."""
+    """Return P (n×n) for the gains of this run, in the paper's coordinates."""
     if "direction.0.0" not in run.values:
         return None
-    return find_P(run.gains("K"), vector(run))
+    return find_P(chain_gains(run), vector(run))
 
 
 def vector(run: Observed) -> np.ndarray:
-    """Return the direction d of the matching condition, shape (n,)."""
-    return np.array([float(np.ravel(run.values[f"direction.{i}.0"])[0]) for i in range(run.context.n)])
+    """Return the direction d (n,) of the matching condition, in the paper's coordinates."""
+    own, T = np.array([_constant(run, f"direction.{i}.0") for i in range(run.context.n)]), coordinates(run)
+    return own * T / T[0]
 
 
 def matching_check(run: Observed, P: np.ndarray | None) -> Check:
@@ -159,7 +212,7 @@ def matching_check(run: Observed, P: np.ndarray | None) -> Check:
     if P is None:
         return Check(name, CANNOT_TELL, Message("check.matching.no-p"), source=source)
     Phi = run.matrix("Phi", run.context.n, len(run.channels))
-    Phi = Phi[np.isfinite(Phi).all(axis=(1, 2))]
+    Phi = Phi[np.isfinite(Phi).all(axis=(1, 2))] * coordinates(run)[:, None] * typical_sizes(run.context)
     residual = P @ Phi
     residual[:, 0, :] -= Phi[:, 0, :]
     value = float(np.abs(residual).max(initial=0.0))
@@ -186,8 +239,8 @@ def lyapunov_check(run: Observed, P: np.ndarray | None, k: np.ndarray) -> Check:
 def one_sided_lipschitz(run: Observed) -> Check:
     """(3): β1 as the largest eigenvalue of the symmetric part of ∂γ/∂x, along the estimates of this run."""
     n = run.context.n
-    D = run.matrix("Dgamma", n, n)
-    D = D[np.isfinite(D).all(axis=(1, 2))]
+    D, T = run.matrix("Df", n, n), coordinates(run)
+    D = D[np.isfinite(D).all(axis=(1, 2))] * T[:, None] / T - shift(n)
     name, source, affine = Message("check.one-sided-lipschitz"), f"{SOURCE}, eq. (3)", run.facts["affine"]
     if not len(D):
         return Check(name, CANNOT_TELL, NO_ESTIMATE, source=source)

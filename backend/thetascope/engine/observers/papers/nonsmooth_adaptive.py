@@ -3,11 +3,13 @@
     x̂' = A x̂ + γ(x̂, u) + f(x̂, u) θ̂ + K e1 + ρ F(e1),   F_i = k_i ⌊e1⌉^{α_i},   α_i = iα − (i − 1)    (11)
     θ̂' = λ g(x̂, u) e1                                                                              (12)
 
-for the plants of linear_adaptive.py, its baseline ρ = 0. ⌊e⌉^α = |e|^α sign e.
+for the plants of linear_adaptive.py, its baseline ρ = 0. ⌊e⌉^α = |e|^α sign e. A power of an output has another unit
+than the output, so F is taken of e1/e0 and multiplied by e0, an error of the output's size; e0 = 1 in the paper.
 
 In print "k = KC" means k = K, and "0 < α < 1 − 1/(n−1)", which is empty for n = 2, is read 1 − 1/n < α < 1: then all
 exponents are positive. The option form "paper-example" writes the observer of the paper's section 3 as it stands
-there: without γ, with the exponent 2α − 1 in both lines and ρ² for ρ k2. It is no case of (11).
+there: without γ, with the exponent 2α − 1 in both lines and ρ² for ρ k2. It is no case of (11), and its numbers belong
+to the paper's units.
 """
 
 from __future__ import annotations
@@ -19,10 +21,20 @@ import numpy as np
 from thetascope.engine.language.lazy_sympy import functions
 from thetascope.engine.model.result import FAILS, Check
 from thetascope.engine.observers.forms.matching_condition import closed
-from thetascope.engine.observers.papers.linear_adaptive import LAMBDA, SOURCE, K, begin, g, matched, require
+from thetascope.engine.observers.papers.linear_adaptive import (
+    LAMBDA,
+    SOURCE,
+    K,
+    adaptation,
+    begin,
+    chain_gains,
+    matched,
+    require,
+)
 from thetascope.engine.observers.papers.linear_adaptive import checks as shared_checks
 from thetascope.engine.observers.support.common_checks import verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer, Option
+from thetascope.engine.observers.support.dimensions import OUTPUT
 from thetascope.engine.observers.support.draft import Draft
 from thetascope.engine.observers.support.kalman_defaults import output_scales
 from thetascope.engine.observers.support.matrices import Matrix, column
@@ -39,15 +51,10 @@ def default_alpha(context: Context) -> float:
     return 1 - 0.3 / context.n
 
 
-def default_rho(context: Context) -> float:
-    """Return ρ such that the nonsmooth part is 0.8 of the linear one at an error of the output's scale."""
-    return 0.8 * output_scales(context)[0] ** (1 - default_alpha(context))
-
-
 GAINS = (
     K,
     LAMBDA,
-    Gain("rho", Message("gain.nonsmooth-share"), default_rho, symbol="ρ", unit=Message("unit.output-to-power")),
+    Gain("rho", Message("gain.nonsmooth-share"), 0.8, symbol="ρ"),
     Gain(
         "alpha",
         Message("gain.nonsmooth-exponent"),
@@ -56,13 +63,22 @@ GAINS = (
         1.0,
         symbol="α",
     ),
+    Gain(
+        "e0",
+        Message("gain.nonsmooth-error"),
+        lambda context: output_scales(context)[0],
+        positive=True,
+        symbol="e₀",
+        unit=OUTPUT,
+    ),
 )
 FORM = Option("form", Message("option.form"), "choice", GENERAL, (GENERAL, PAPER_EXAMPLE))
 
 
-def F(k: Matrix, alpha: Expr, e1: Expr) -> Matrix:
-    """Return the homogeneous injection F (n×1), defined below (12)."""
-    return column([k[i - 1] * functions.SignedPower(e1, i * alpha - (i - 1)) for i in range(1, len(k) + 1)])
+def F(k: Matrix, alpha: Expr, e0: Expr, e1: Expr) -> Matrix:
+    """Return the homogeneous injection F (n×1), defined below (12), in units of e0."""
+    powers = [functions.SignedPower(e1 / e0, i * alpha - (i - 1)) for i in range(1, len(k) + 1)]
+    return column([k[i] * e0 * power for i, power in enumerate(powers)])
 
 
 def write(d: Draft) -> None:
@@ -74,11 +90,9 @@ def write(d: Draft) -> None:
     if form == PAPER_EXAMPLE:
         dx = paper_example(d, x, at.Phi @ theta, e1)
     else:
-        dx = at.f + at.Phi @ theta + K * e1 + rho * F(K, alpha, e1)  # (11)
-    dtheta = d.gain("lambda") * g(at) * e1  # (12)
-
+        dx = at.f + at.Phi @ theta + K * e1 + rho * F(K, alpha, d.gain("e0"), e1)  # (11)
     d.set(x, dx)
-    d.set(theta, dtheta)
+    d.set(theta, adaptation(d, at, e1))  # (12)
 
 
 def paper_example(d: Draft, x: Matrix, w_theta: Matrix, e1: Expr) -> Matrix:
@@ -112,7 +126,7 @@ def exponent_check(run: Observed) -> Check:
 def as_printed(run: Observed) -> Check:
     """Check (6) with the constants that the proof prints (l1 = 0, γ = 0: its most favourable case)."""
     name, source = Message("check.as-printed"), f"{SOURCE}, eq. (6) and the proof of Theorem 1"
-    P, k = matched(run), run.gains("K")
+    P, k = matched(run), chain_gains(run)
     if P is None:
         return Check(name, FAILS, Message("check.lyapunov.no-matching"), source=source)
     spectrum = np.linalg.eigvalsh(P)

@@ -21,6 +21,7 @@ from thetascope.engine.model.result import CANNOT_TELL, Check
 from thetascope.engine.observers.forms.normal_form import PAPER, NormalForm, block_column, brunovsky, normal_form
 from thetascope.engine.observers.support.common_checks import NO_VALUE, stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
+from thetascope.engine.observers.support.dimensions import RATE_TO_ORDER
 from thetascope.engine.observers.support.draft import Draft, Matrix, ModelAt
 from thetascope.engine.observers.support.kalman_defaults import pace
 from thetascope.engine.observers.support.matrices import column
@@ -42,6 +43,11 @@ def hidden_names(context: Context) -> list[str]:
     return [form.coordinate_names[k] for k in form.unmeasured]
 
 
+def orders(blocks: Iterable[int]) -> list[int]:
+    """Return 1, 2, … for the rows of each block: they multiply an output's error in the rate of its derivatives."""
+    return [i for size in blocks for i in range(1, size + 1)]
+
+
 H = Gain(
     "H",
     Message("gain.injection-h"),
@@ -50,6 +56,8 @@ H = Gain(
     size="n-m",
     rows=hidden_names,
     symbol="H",
+    unit=RATE_TO_ORDER,
+    orders=lambda context: orders([rho - 1 for rho in normal_form(Model(context.model)).blocks]),
 )
 
 

@@ -9,6 +9,7 @@ from thetascope.engine.model.result import Check
 from thetascope.engine.observers.forms.sandwich_parts import Sandwich, blocks, memory_names, refused, sandwich
 from thetascope.engine.observers.support.common_checks import stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed
+from thetascope.engine.observers.support.dimensions import STATE_PER_OUTPUT
 from thetascope.engine.observers.support.draft import Draft, Matrix, ModelAt
 from thetascope.engine.observers.support.kalman_defaults import output_scales, state_scales
 from thetascope.engine.observers.support.matrices import column
@@ -43,6 +44,7 @@ K = Gain(
     size=corrected,
     rows=corrected_names,
     symbol="K",
+    unit=STATE_PER_OUTPUT,
 )
 
 

@@ -16,6 +16,12 @@ from thetascope.engine.observers.papers import high_gain
 from thetascope.engine.observers.papers.high_gain import A0, FAST, RHO, c0, describe, form_checks, k0, to_user
 from thetascope.engine.observers.support.common_checks import excitation, persistent_excitation, positive_definite
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
+from thetascope.engine.observers.support.dimensions import (
+    FAULT_PER_OUTPUT_SQUARED_SECOND,
+    OUTPUT_PER_FAULT_SQUARED_SECONDS,
+    RATE,
+    SECONDS,
+)
 from thetascope.engine.observers.support.draft import Draft
 from thetascope.engine.observers.support.kalman_defaults import output_scales, pace, typical_sizes
 from thetascope.engine.observers.support.matrices import diag
@@ -45,7 +51,7 @@ GAINS = (
         Message("gain.forgetting-factor"),
         lambda c: FAST * pace(c),
         symbol="λ",
-        unit="1/s",
+        unit=RATE,
     ),
     Gain(
         "gamma0",
@@ -54,7 +60,7 @@ GAINS = (
         positive=True,
         size="p",
         symbol="Γ(0)",
-        unit=Message("unit.fault-per-output-squared-second"),
+        unit=FAULT_PER_OUTPUT_SQUARED_SECOND,
         live=False,
     ),
     Gain(
@@ -63,7 +69,7 @@ GAINS = (
         lambda c: _WINDOW / pace(c),
         positive=True,
         symbol="T",
-        unit="s",
+        unit=SECONDS,
         live=False,
     ),
     Gain(
@@ -71,7 +77,7 @@ GAINS = (
         Message("gain.excitation-level-36"),
         default_delta,
         symbol="δ",
-        unit=Message("unit.output-per-fault-squared-seconds"),
+        unit=OUTPUT_PER_FAULT_SQUARED_SECONDS,
         live=False,
     ),
 )

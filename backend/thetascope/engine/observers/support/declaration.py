@@ -9,6 +9,7 @@ import numpy as np
 from thetascope.engine.compiler.system import Program
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.model.result import Check
+from thetascope.engine.observers.support.dimensions import NUMBER, Dimension
 from thetascope.engine.observers.support.draft import Draft, Size
 from thetascope.engine.observers.support.scales import HealthyRun, Scales
 from thetascope.messages import Message
@@ -55,7 +56,8 @@ class Gain:
         columns: the number of columns of a matrix; None for a column.
         rows: labels of the rows; by default the names of the states, outputs or channels that ``size`` counts.
         symbol: as the paper and the page write it.
-        unit: in signs, or an entry of the catalogues if it contains words.
+        unit: its dimension. An experiment in other units has the same results with gains converted by it.
+        orders: by row, a power to which the dimension is raised; by default 1 in every row.
         live: False where it acts at the start only, or on diagnostics only, so that moving it later has no effect.
     """
 
@@ -66,10 +68,11 @@ class Gain:
     high: float | None = None
     size: Count | None = None
     symbol: str = ""
-    unit: str | Message = ""
+    unit: Dimension = NUMBER
     live: bool = True
     columns: Count | None = None
     rows: Callable[[Context], Sequence[str]] | None = None
+    orders: Callable[[Context], Sequence[int]] | None = None
     positive: bool = False
 
     def shape(self, context: Context) -> Size:

@@ -6,6 +6,16 @@ size and of the declared noise. They are admissible for every plant and give a w
 
 from thetascope.engine.model.events import modes
 from thetascope.engine.observers.support.declaration import Context, Gain, Option
+from thetascope.engine.observers.support.dimensions import (
+    FAULT_PER_ROOT_SECOND,
+    FAULT_SQUARED,
+    OUTPUT_SQUARED,
+    OUTPUT_SQUARED_SECONDS,
+    RATE,
+    SECONDS,
+    STATE_SQUARED,
+    STATE_SQUARED_PER_SECOND,
+)
 from thetascope.messages import Message
 
 DOUBT = 0.01  # process noise: one per cent of a state's scale over the plant's time constant
@@ -93,7 +103,7 @@ Q = Gain(
     _state_noise,
     size="n",
     symbol="Q",
-    unit=Message("unit.state-squared-per-second"),
+    unit=STATE_SQUARED_PER_SECOND,
 )
 R_INTENSITY = Gain(
     "r",
@@ -102,7 +112,7 @@ R_INTENSITY = Gain(
     positive=True,
     size="m",
     symbol="R",
-    unit=Message("unit.output-squared-seconds"),
+    unit=OUTPUT_SQUARED_SECONDS,
 )
 R_VARIANCE = Gain(
     "r",
@@ -111,7 +121,7 @@ R_VARIANCE = Gain(
     positive=True,
     size="m",
     symbol="R",
-    unit=Message("unit.output-squared"),
+    unit=OUTPUT_SQUARED,
 )
 P0_QUIET = Gain(
     "p0",
@@ -119,7 +129,7 @@ P0_QUIET = Gain(
     _quiet_start,
     size="n",
     symbol="P(0)",
-    unit=Message("unit.state-squared"),
+    unit=STATE_SQUARED,
     live=False,
 )
 P0 = Gain(
@@ -128,7 +138,7 @@ P0 = Gain(
     lambda c: [s * s for s in uncertain_scales(c)],
     size="n",
     symbol="P(0)",
-    unit=Message("unit.state-squared"),
+    unit=STATE_SQUARED,
     live=False,
 )
 LAMBDA = Gain(
@@ -136,7 +146,7 @@ LAMBDA = Gain(
     Message("gain.forgetting-rate"),
     lambda c: FORGETTING * learning_rate(c),
     symbol="λ",
-    unit="1/s",
+    unit=RATE,
 )
 GAMMA0_QUIET = Gain(
     "gamma0",
@@ -145,7 +155,7 @@ GAMMA0_QUIET = Gain(
     positive=True,
     size="p",
     symbol="Γ(0)",
-    unit=Message("unit.fault-squared"),
+    unit=FAULT_SQUARED,
     live=False,
 )
 GAMMA0 = Gain(
@@ -155,7 +165,7 @@ GAMMA0 = Gain(
     positive=True,
     size="p",
     symbol="Γ(0)",
-    unit=Message("unit.fault-squared"),
+    unit=FAULT_SQUARED,
     live=False,
 )
 BOUND = Gain(
@@ -165,7 +175,7 @@ BOUND = Gain(
     positive=True,
     size="p",
     symbol="Γ̄",
-    unit=Message("unit.fault-squared"),
+    unit=FAULT_SQUARED,
 )
 BOUNDED, PLAIN = "bounded", "plain"
 FORGETTING_OPTION = Option("forgetting", Message("option.forgetting"), "choice", BOUNDED, (BOUNDED, PLAIN))
@@ -175,7 +185,7 @@ Q_THETA = Gain(
     _walk,
     size="p",
     symbol="Qθ^½",
-    unit=Message("unit.fault-per-root-second"),
+    unit=FAULT_PER_ROOT_SECOND,
 )
 WINDOW = Gain(
     "window",
@@ -183,7 +193,7 @@ WINDOW = Gain(
     lambda c: 3 / learning_rate(c),
     positive=True,
     symbol="T",
-    unit="s",
+    unit=SECONDS,
     live=False,
 )
 DELTA = Gain(

@@ -21,6 +21,8 @@ class Scales:
         span: the time in s over which the plant was simulated or is to be watched.
         amplification: the largest factor by which a small change of the states, relative to `extents`, grows along the
             run; at least 1.
+        chain: with one output, its slope along the first state, then the slope of each state's rate along the next
+            state: medians along the run (n,). Empty with several outputs.
     """
 
     states: tuple[float, ...]
@@ -29,6 +31,7 @@ class Scales:
     rate: float
     span: float
     amplification: float = 1.0
+    chain: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
