@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from thetascope import library
+from thetascope.engine.observability.time_constant import pace
 from thetascope.engine.observers.registry import observer
 from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.observers.support.scales import Scales, fixed
-from thetascope.engine.observers.support.time_constant import pace
 from thetascope_schemas import Plant
 
 

@@ -19,7 +19,7 @@ from thetascope.engine.model.events import modes
 from thetascope.engine.observability.exact_rank import TOLERANCE, rank
 from thetascope.engine.observability.observability_matrix import Found, Lie, Point, TooLarge
 from thetascope.engine.observability.taylor import NO_VALUE, exact, precise
-from thetascope.engine.observers.support.time_constant import pace
+from thetascope.engine.observability.time_constant import pace
 from thetascope.engine.programs.program_store import mathematics, plant_program
 from thetascope.messages import Message
 

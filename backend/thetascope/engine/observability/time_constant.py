@@ -1,4 +1,4 @@
-"""The slowest rate of a plant, computed from its equations without SymPy, for the default gains."""
+"""The slowest rate of a plant, computed from its equations without SymPy, by which its times are scaled."""
 
 import json
 import math
