@@ -12,6 +12,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
 
 from benchmarks.measure import Figure, ratios, rounds
 from benchmarks.problem import engine, kernels_alone
@@ -21,13 +22,16 @@ ROOT = Path(__file__).parents[1]
 
 
 @contextmanager
-def service(data: Path) -> Iterator[tuple[str, float]]:
-    """Start a service in a new process; yield its address and the seconds until it answered."""
+def service(data: Path, log: IO[str] | None = None) -> Iterator[tuple[str, float]]:
+    """Start a service in a new process; yield its address and the seconds until it answered.
+
+    Its log lines go to the file `log`, if it is given.
+    """
     more = {"PYTHONUNBUFFERED": "1", "THETASCOPE_PREPARE": "0"}
     environment = os.environ | {"THETASCOPE_DATA": str(data)} | more
     command = [sys.executable, "-m", "thetascope.cli.main", "serve", "--port", "0"]
     begin = time.perf_counter()
-    process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=log, text=True)
     try:
         line = process.stdout.readline()
         if "http://" not in line:

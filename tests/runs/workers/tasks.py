@@ -45,6 +45,35 @@ def niceness_after(seconds: float) -> int:
     return os.nice(0)
 
 
+def gives_way() -> bool:
+    """Return whether this process runs only when a processor has nothing else to do."""
+    return os.sched_getscheduler(0) == os.SCHED_IDLE
+
+
+def gives_way_at(path: str, mark: object = None) -> tuple[int, bool]:
+    """Return the process and whether it gives way, once a file exists."""
+    wait_for(path)
+    return os.getpid(), gives_way()
+
+
+def until_it_gives_way(seconds: float, mark: object = None) -> bool:
+    """Wait until this process gives way; return whether it does within a time."""
+    until = time.monotonic() + seconds
+    while not gives_way() and time.monotonic() < until:
+        time.sleep(0.01)
+    return gives_way()
+
+
+def gives_way_after(seconds: float) -> bool:
+    """Compute for so long; return whether this process gives way then."""
+    spin(seconds)
+    return until_it_gives_way(5.0)
+
+
+def run_until_it_gives_way(reporter: Reporter, seconds: float) -> bool:
+    return until_it_gives_way(seconds)
+
+
 def zeros(count: int) -> np.ndarray:
     return np.zeros(count) + 1
 

@@ -80,7 +80,9 @@ class Hub:
         self._frozen, self._collected, self._closed_some = False, 0.0, False
         self._templates: OrderedDict[str, Session] = OrderedDict()
         self._rehearsed: OrderedDict[str, None] = OrderedDict()
-        self._forward = FastForward(settings.job_seconds, lambda: workers.usage()["running"] > 0)
+        self._forward = FastForward(
+            settings.job_seconds, lambda: workers.usage()["running"] > 0, lambda: self._opening, workers.count
+        )
         self._openings, self._joins = RateLimiter(_OPENING), RateLimiter(_JOINING)
 
     def __len__(self) -> int:
@@ -121,6 +123,7 @@ class Hub:
             TooManySessions, OverLimit, SpecError.
         """
         loop, limit = asyncio.get_running_loop(), self._settings.session_rows
+        self._workers.note_request(client)
         with self._reserve(client, most):
             await asyncio.sleep(self._openings.wait(loop.time()))
             spec = await loop.run_in_executor(self._workshop, read)

@@ -30,6 +30,7 @@ class Computation:
         queued: whether waiting for a turn counts towards the time limit.
         long: whether it is known to take long.
         trusted: whether it is one of the library's own: it does not give way when it takes long.
+        took_long: whether it turned out to take long.
     """
 
     client: str
@@ -39,6 +40,7 @@ class Computation:
     queued: bool = True
     long: bool = False
     trusted: bool = False
+    took_long: bool = False
     result: "Future[Any]" = field(default_factory=Future)
     holders: int = 1
     deadline: float = field(init=False)

@@ -2,11 +2,11 @@
 
 A computation begins in the quick lane. One that takes longer than a moment continues in the slow lane with a low
 priority, or waits for a place there and begins again: whoever asks for something short never waits for it. In both
-lanes clients take turns, and none may have all places.
+lanes clients take turns, and none may have all places. While another client is there, most of what a client computes
+gets only the processor time that nobody else needs.
 """
 
 import logging
-import signal
 import time
 from collections import Counter, OrderedDict
 from collections.abc import Callable
@@ -18,10 +18,11 @@ from thetascope.messages import Message
 from thetascope.runs.specs.refusals import Busy
 from thetascope.runs.workers.computation import Computation, Report, packed
 from thetascope.runs.workers.last_minute import LastMinute
-from thetascope.runs.workers.limits import Crashed, Ended, LimitReached, Limits, cpu_limit, memory_limit, time_limit
+from thetascope.runs.workers.limits import Ended, Limits, time_limit
+from thetascope.runs.workers.precedence import LEFTOVERS, Precedence
 from thetascope.runs.workers.process import Gone, WorkerProcess
-from thetascope.runs.workers.shares import Shares
-from thetascope.runs.workers.turns import Turns
+from thetascope.runs.workers.turn import OUTCOMES, Turn, stopping, why_gone
+from thetascope.runs.workers.turns import Lane
 
 log = logging.getLogger(__name__)
 
@@ -35,18 +36,6 @@ _PATIENCE = 6
 """How many times the time limit a trusted computation may take."""
 _KEPT = 0.125
 """A worker that has grown by more than this share of the memory limit is replaced after its computation."""
-_NEAR = 0.5
-"""A worker that crashed with more than this share of its memory in use lacked memory: LLVM does not say so."""
-_XCPU = getattr(signal, "SIGXCPU", None)
-
-
-class _Lane:
-    def __init__(self) -> None:
-        self.waiting: Turns[Computation] = Turns()
-        self.active: Counter[str] = Counter()
-
-    def may_take(self, client: str, places: int, most: int) -> bool:
-        return self.active.total() < places and self.active[client] < most
 
 
 class Workers:
@@ -61,9 +50,10 @@ class Workers:
     def __init__(self, places: int, limits: Limits, queue: int) -> None:
         self._most, self._places = max(1, places), max(1, places) + 1
         self._limits, self._queue = limits, queue
-        self._quick, self._slow = _Lane(), _Lane()
-        self._shares, self._minute = Shares(), LastMinute()
-        self._outcomes = Counter(dict.fromkeys(_OUTCOMES.values(), 0) | {"done": 0, "failed": 0})
+        self._quick, self._slow = Lane(), Lane()
+        self._precedence, self._minute = Precedence(), LastMinute()
+        self._turns: set[Turn] = set()
+        self._outcomes = Counter(dict.fromkeys(OUTCOMES.values(), 0) | {"done": 0, "failed": 0})
         self._idle: list[WorkerProcess] = []
         self._shared: OrderedDict[bytes, Computation] = OrderedDict()
         self._threads: set[Thread] = set()
@@ -138,6 +128,16 @@ class Workers:
         with self._lock:
             return dict(self._outcomes)
 
+    def note_request(self, client: str) -> None:
+        """Note that a client is there, to whom computations of others give way, although it may not need a worker."""
+        with self._lock:
+            self._precedence.note_request(client)
+
+    def count(self, client: str, seconds: float) -> None:
+        """Count processor time that a client used elsewhere in the service."""
+        with self._lock:
+            self._minute.add(client, seconds)
+
     def close(self) -> None:
         """End all computations and processes. Computations that waited or ran fail with Busy."""
         with self._lock:
@@ -146,7 +146,7 @@ class Workers:
             idle, self._idle = self._idle, []
             threads = list(self._threads)
         for computation in waiting:
-            computation.fail(_stopping())
+            computation.fail(stopping())
         for process in idle:
             process.end()
         for thread in threads:
@@ -157,8 +157,9 @@ class Workers:
     def _add(self, computation: Computation) -> None:
         lane = self._slow if computation.long else self._quick
         with self._lock:
+            self._precedence.note_request(computation.client)
             waiting = sum(c.client == computation.client for c in lane.waiting)
-            refusal = _stopping() if self._closed else None
+            refusal = stopping() if self._closed else None
             if waiting >= self._queue and not lane.may_take(computation.client, self._places, self._most):
                 refusal = Busy(Message("work.queue-full", n=waiting))
             if refusal is None:
@@ -187,8 +188,8 @@ class Workers:
 
     # ---- one computation, in a thread of its own ---------------------------------------------------------------------
 
-    def _carry_out(self, computation: Computation, lane: _Lane) -> None:
-        turn = _Turn(computation, lane)
+    def _carry_out(self, computation: Computation, lane: Lane) -> None:
+        turn = Turn(computation, lane)
         try:
             if computation.cancelled:
                 turn.error = Ended()
@@ -200,25 +201,26 @@ class Workers:
             log.exception("A computation could not be carried out")
             turn.error = error
         self._leave(turn)
+        with self._lock:
+            self._threads.discard(current_thread())
 
-    def _leave(self, turn: "_Turn") -> None:
+    def _leave(self, turn: Turn) -> None:
         """Free the place of a turn, resolve the result, and keep the process, or end it."""
         computation, process = turn.computation, turn.process
-        keep = process is not None and turn.clean and not process.nice
-        keep = keep and process is not None and process.grown <= _KEPT * self._limits.memory
+        keep = process is not None and turn.clean and process.grown <= _KEPT * self._limits.memory
         with self._lock:
+            self._turns.discard(turn)
             if not turn.again:
-                self._outcomes[_outcome(turn)] += 1
+                self._outcomes[turn.outcome] += 1
             turn.lane.active[computation.client] -= 1
             turn.lane.active += Counter()  # drops clients with nothing under way
             if turn.again and self._closed:
-                turn.again, turn.error = False, _stopping()
+                turn.again, turn.error = False, stopping()
             elif turn.again:
                 self._slow.waiting.add(computation)
-            keep = keep and not self._closed and len(self._idle) < self._places
+            keep = keep and process is not None and self._may_keep(process)
             if keep and process is not None:
                 self._idle.append(process)
-            self._threads.discard(current_thread())
             self._dispatch()
         if turn.error is not None:
             computation.fail(turn.error)
@@ -226,8 +228,20 @@ class Workers:
             computation.succeed(turn.value)
         if process is not None and not keep:
             process.end()
+            self._replace()
 
-    def _run(self, turn: "_Turn") -> None:
+    def _may_keep(self, process: WorkerProcess) -> bool:
+        """Return whether a process may wait for its next computation. Those that give way wait for theirs."""
+        return not self._closed and sum(bool(p.nice) == bool(process.nice) for p in self._idle) < self._places
+
+    def _replace(self) -> None:
+        """Start a worker, unless one waits that does not give way: whoever comes next need not wait for its start."""
+        with self._lock:
+            needless = self._closed or any(not process.nice for process in self._idle)
+        if not needless:
+            self.warm(1)
+
+    def _run(self, turn: Turn) -> None:
         """Carry out the computation of a turn."""
         computation = turn.computation
         self._begin(turn)
@@ -240,7 +254,6 @@ class Workers:
             nonlocal counted
             seconds = process.cpu - begun
             with self._lock:
-                self._shares.add(computation.client, seconds - counted)
                 self._minute.add(computation.client, seconds - counted)
             counted = seconds
             return seconds
@@ -249,40 +262,71 @@ class Workers:
         try:
             while True:
                 message = process.receive(_LOOK)
-                if message is not None and self._told(turn, *message):
+                if message is not None and turn.take(*message):
                     return
                 turn.error = self._must_end(computation)
                 if turn.error is not None:
                     return
                 grown = process.grown
                 seconds = used()
-                if seconds > MOMENT and turn.lane is self._quick and not self._stays(turn):
+                if self._give_way(turn, seconds) < LEFTOVERS and seconds <= MOMENT:
+                    continue
+                if turn.lane is self._quick and not self._stays(turn, seconds > MOMENT):
                     turn.again = True
                     return
-                if not computation.trusted:
-                    process.give_way(max((nice for since, nice in _GIVE_WAY if seconds > since), default=0))
         except Gone as gone:
-            turn.error = _why(gone, computation, grown)
+            turn.error = why_gone(gone, computation, grown)
         finally:
             used()
+
+    def _give_way(self, turn: Turn, seconds: float = 0.0) -> int:
+        """Return the nice value of a computation that took so many seconds; its process has it from now on.
+
+        While others are there one short computation of each client has the priority of theirs. Its further ones, and
+        long ones, get what is left.
+        """
+        computation, process = turn.computation, turn.process
+        client = computation.client
+        with self._lock:
+            self._turns.add(turn)
+            if seconds > MOMENT and not computation.took_long:
+                computation.took_long = True
+                self._precedence.note_long(client)
+            if not computation.trusted:
+                turn.nice = max(turn.nice, *(nice for since, nice in _GIVE_WAY if seconds > since), 0)
+                if self._precedence.others(client) and (
+                    computation.long
+                    or computation.took_long
+                    or self._precedence.gives_way(client)
+                    or any(t.computation.client == client and t.nice < LEFTOVERS for t in self._turns - {turn})
+                ):
+                    turn.nice = LEFTOVERS
+        if process is not None and turn.nice > process.nice:
+            replace = not process.nice
+            process.give_way(turn.nice)
+            if replace:
+                self._replace()
+        return turn.nice
 
     def _must_end(self, computation: Computation) -> Exception | None:
         """Return why a computation that runs is ended now, or None."""
         if self._closed:
-            return _stopping()
+            return stopping()
         if computation.cancelled:
             return Ended()
         return time_limit(computation.limits) if time.monotonic() > computation.deadline else None
 
-    def _begin(self, turn: "_Turn") -> None:
-        """Hand the computation to an idle worker, or to a new one if it has ended, or if the client must give way.
+    def _begin(self, turn: Turn) -> None:
+        """Hand the computation to an idle worker, or to a new one if there is none or it has ended.
 
-        A worker that gives way does so for the rest of its life, and those that know more are for the others.
+        A worker that gives way does so for the rest of its life: computations that must give way have theirs.
         """
+        nice = self._give_way(turn)
         while True:
             with self._lock:
-                nice = self._shares.nice(turn.computation.client)
-                process = self._idle.pop() if self._idle and not nice else None
+                process = next((p for p in reversed(self._idle) if bool(p.nice) == bool(nice) and p.nice <= nice), None)
+                if process is not None:
+                    self._idle.remove(process)
             fresh = process is None
             turn.process = process or self._started()
             turn.process.give_way(nice)
@@ -298,28 +342,18 @@ class Workers:
     def _started(self) -> WorkerProcess:
         return WorkerProcess(self._limits.memory)
 
-    def _told(self, turn: "_Turn", kind: str, value: Any) -> bool:
-        """Handle a message of the worker; return whether it was the last one."""
-        computation = turn.computation
-        if kind == "limits":
-            computation.extend(value)
-        if kind in ("limits", "progress"):
-            computation.report(kind, value)
-            return False
-        turn.clean = kind != "memory"
-        if kind == "value":
-            turn.value = value
-        else:
-            turn.error = memory_limit(computation.limits) if kind == "memory" else value
-            turn.from_task = kind != "memory"
-        return True
+    def _stays(self, turn: Turn, long: bool) -> bool:
+        """Move a computation that takes long, or gives way while others wait, to the slow lane.
 
-    def _stays(self, turn: "_Turn") -> bool:
-        """Move a computation that takes long to the slow lane. Return False if it must wait for a place there."""
+        Return False if it must wait for a place there.
+        """
         client = turn.computation.client
         with self._lock:
+            waiting = any(long or c.client != client for c in self._quick.waiting)
+            if not waiting and not long:
+                return True
             if not self._slow.may_take(client, self._places, self._most):
-                return not self._quick.waiting
+                return not waiting
             turn.lane.active[client] -= 1
             self._slow.active[client] += 1
             turn.lane = self._slow
@@ -327,42 +361,6 @@ class Workers:
         return True
 
 
-class _Turn:
-    """A computation in a process: its lane now, its outcome, or that it begins again; whether the process is clean,
-    and whether the error is the task's own."""
-
-    def __init__(self, computation: Computation, lane: _Lane) -> None:
-        self.computation, self.lane = computation, lane
-        self.process: WorkerProcess | None = None
-        self.value: Any = None
-        self.error: Exception | None = None
-        self.again, self.clean, self.from_task = False, False, False
-
-
-_OUTCOMES = {LimitReached: "limit", Ended: "cancelled", Busy: "refused", Crashed: "crashed"}
-
-
-def _outcome(turn: _Turn) -> str:
-    """Return the name of a turn's outcome."""
-    if turn.error is None or turn.from_task:
-        return "done"
-    return next((name for kind, name in _OUTCOMES.items() if isinstance(turn.error, kind)), "failed")
-
-
 def _plain(_: object, function: Callable[..., Any], *args: Any) -> Any:
     """Carry out a function that reports nothing on its way."""
     return function(*args)
-
-
-def _why(gone: Gone, computation: Computation, grown: int) -> Exception:
-    """Return why a worker ended during a computation."""
-    if _XCPU is not None and gone.code == -_XCPU:
-        return cpu_limit(computation.limits)
-    if grown > _NEAR * computation.limits.memory:
-        return memory_limit(computation.limits)
-    log.error("A worker ended with code %s", gone.code)
-    return Crashed(Message("work.crashed"))
-
-
-def _stopping() -> Busy:
-    return Busy(Message("work.stopping"))

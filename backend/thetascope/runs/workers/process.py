@@ -1,6 +1,7 @@
 """The service's side of one worker process: start it, hand it computations, read its answers, end it."""
 
 import multiprocessing
+import multiprocessing.connection
 import os
 import sys
 import time
@@ -12,10 +13,13 @@ from typing import Any
 from thetascope.engine.compiler import cache
 from thetascope.process_settings import ONE_THREAD
 from thetascope.runs.workers.child import data_bytes, receive, serve
+from thetascope.runs.workers.precedence import LEFTOVERS
 
 _START = "forkserver" if sys.platform != "win32" else "spawn"
 _GRACE = 1.0
 """Seconds that a killed process may take to be gone."""
+_NICEST = 19
+"""The largest nice value of the system."""
 _lock = Lock()  # processes are started and their exit codes are read by one thread at a time
 
 
@@ -89,23 +93,41 @@ class WorkerProcess:
             raise Gone(self._code()) from None
 
     def give_way(self, nice: int) -> None:
-        """Lower the priority of the process, by a nice value below that of the service, for the rest of its life."""
-        if nice > self.nice and hasattr(os, "setpriority") and self._process.pid is not None:
-            self.nice = nice
+        """Lower the priority of the process, by a nice value below that of the service, for the rest of its life.
+
+        With :data:`LEFTOVERS` it only runs when a processor has nothing else to do, where the system has such a class.
+        """
+        pid = self._process.pid
+        if nice <= self.nice or pid is None or not hasattr(os, "setpriority"):
+            return
+        self.nice = nice
+        with suppress(OSError):
+            base = os.getpriority(os.PRIO_PROCESS, os.getpid())
+            os.setpriority(os.PRIO_PROCESS, pid, base + min(nice, _NICEST))
+        if nice >= LEFTOVERS and sys.platform == "linux":
             with suppress(OSError):
-                base = os.getpriority(os.PRIO_PROCESS, os.getpid())
-                os.setpriority(os.PRIO_PROCESS, self._process.pid, base + nice)
+                os.sched_setscheduler(pid, os.SCHED_IDLE, os.sched_param(0))
 
     def end(self) -> None:
         """End the process, whatever it computes."""
         with suppress(OSError):
             self._process.kill()
+        self._hurry()
         self._code()
         self._connection.close()
 
+    def _hurry(self) -> None:
+        """Let a process that gave way end, and return its memory, before others compute: where the system allows it."""
+        if self.nice and sys.platform == "linux" and self._process.pid is not None:
+            with suppress(OSError):
+                os.sched_setscheduler(self._process.pid, os.SCHED_OTHER, os.sched_param(0))
+                os.setpriority(os.PRIO_PROCESS, self._process.pid, 0)
+
     def _code(self) -> int | None:
+        """Return the exit code; None if the process is not gone in time. Others can start processes meanwhile."""
+        multiprocessing.connection.wait([self._process.sentinel], _GRACE)
         with _lock:
-            self._process.join(_GRACE)
+            self._process.join(0)
             return self._process.exitcode
 
 

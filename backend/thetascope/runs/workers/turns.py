@@ -4,6 +4,8 @@ from collections import Counter, OrderedDict, deque
 from collections.abc import Callable, Iterator
 from typing import Generic, Protocol, TypeVar
 
+from thetascope.runs.workers.computation import Computation
+
 
 class HasClient(Protocol):
     """Anything that belongs to a client."""
@@ -67,3 +69,15 @@ class Turns(Generic[Item]):
 
     def _first(self, allowed: Callable[[str], bool]) -> str | None:
         return next((name for name in self._waiting if allowed(name)), None)
+
+
+class Lane:
+    """The computations that wait in a lane, and how many of each client run in it."""
+
+    def __init__(self) -> None:
+        self.waiting: Turns[Computation] = Turns()
+        self.active: Counter[str] = Counter()
+
+    def may_take(self, client: str, places: int, most: int) -> bool:
+        """Return whether one more of a client may run: all may have `places`, and each of them `most`."""
+        return self.active.total() < places and self.active[client] < most
