@@ -136,7 +136,7 @@ def test_a_restarted_service_finds_the_run_and_stays_responsive(tmp_path):
 def test_a_run_during_which_the_service_ended_is_finished_by_the_next(tmp_path):
     """SIGTERM ends the service soon; the same run, with the same address, goes on at the next start."""
     with process(tmp_path, workers=1, wait=0) as (started, address), Client(address) as client:
-        run = posted(client, {**long_data(seed=41), "horizon": 8000})[2]
+        run = posted(client, {**long_data(seed=41), "horizon": 3000})[2]
         until(lambda: client.get(run["links"]["progress"])["progress"] > 0)
         started.terminate()
         started.wait(60)

@@ -8,7 +8,7 @@ from thetascope.assembly.analyses.record_diagnosis import diagnose_columns
 from thetascope_schemas import Experiment
 
 
-@pytest.mark.parametrize("name", ["dc-motor", "quadruple-tank", "contois-physical"])
+@pytest.mark.parametrize("name", ["dc-motor", "contois-physical"])
 def test_every_fault_is_named_once_and_none_without_faults(name: str) -> None:
     """The noise is estimated to 15 %; each fault has its channel, and its size within 1 %; no other fault is named."""
     spec = library.experiment(name)
