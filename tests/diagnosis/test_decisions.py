@@ -122,6 +122,7 @@ def test_two_simultaneous_faults(name, one, two):
         ("quadruple-tank", {"channel": "level1", "shape": "ramp", "onset": 1000, "size": 0.3, "duration": 300}),
         ("quadruple-tank", {"channel": "pump2", "shape": "ramp", "onset": 1000, "size": 0.1, "duration": 300}),
         ("dts200", {"channel": "leak1", "shape": "ramp", "onset": 1000, "size": 0.06, "duration": 200}),
+        ("dts200", {"channel": "flow2", "shape": "ramp", "onset": 1000, "size": 8, "duration": 200}),
         ("dts200", {"channel": "level2", "shape": "ramp", "onset": 1000, "size": 2, "duration": 200}),
     ],
 )

@@ -39,7 +39,10 @@ def test_contois_physical_maps_to_equation_44():
 
 CHANNELS = {
     "dc-motor": ("gain_loss", "load_torque", "friction_increase", "current_bias", "speed_bias"),
-    "dts200": ("pump1", "pump2", "level1", "level2", "level3", "leak1", "leak2", "leak3", "clog13", "clog32", "clog20"),
+    "dts200": (
+        *("pump1", "pump2", "flow1", "flow2", "level1", "level2", "level3"),
+        *("leak1", "leak2", "leak3", "clog13", "clog32", "clog20"),
+    ),
     "quadruple-tank": ("pump1", "pump2", "leak1", "leak2", "leak3", "leak4", "level1", "level2"),
 }
 

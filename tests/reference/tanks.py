@@ -75,7 +75,7 @@ def _path(path: str, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _dts200_terms() -> dict:
-    """Channel -> columns. pumpN: relative gain error; levelN: cm; leakN: area, cm^2; clogN: relative loss of flow."""
+    """Channel -> columns. pumpN: relative gain error; flowN: cm^3/s; levelN: cm; leakN: cm^2; clogN: relative loss."""
     unit, terms = np.eye(3), {}
     for i in range(3):
         terms[f"level{i + 1}"] = (None, None, unit[i])
@@ -86,6 +86,7 @@ def _dts200_terms() -> dict:
         )
     for i in range(2):
         terms[f"pump{i + 1}"] = (lambda x, u, e=unit[i], i=i: u[i] / AREA * e, None, None)
+        terms[f"flow{i + 1}"] = (lambda x, u, e=unit[i]: e / AREA, None, None)
     for path in _PATHS:
         terms[f"clog{path}"] = (
             lambda x, u, path=path: -_path(path, x)[0],
