@@ -11,7 +11,15 @@ import {t} from '../i18n/words.js';
 /** @typedef {{code: string, args: {[name: string]: string}}} Difference */
 
 /** @type {Readonly<Truth>} */
-export const AS_MODEL = {deviation: 0, parameters: {}, process_noise: {}, outputs: {}, states: [], dynamics: {}};
+export const AS_MODEL = {
+  deviation: 0,
+  parameters: {},
+  process_noise: {},
+  outputs: {},
+  states: [],
+  dynamics: {},
+  record: null,
+};
 
 /**
  * A truth with all its fields.
@@ -32,6 +40,7 @@ export function differences(truth, plant) {
   const one = (kind, args) => ({code: `page.truth.is.${kind}`, args});
   const own = new Map(truth.states.map((state) => [state.name, state]));
   return [
+    ...(truth.record ? [one('record', {name: truth.record.name || truth.record.id.slice(0, 8)})] : []),
     ...(truth.deviation > 0 ? [one('deviation', {percent: number(100 * truth.deviation)})] : []),
     ...Object.entries(truth.parameters).map(([name, value]) =>
       one('parameter', {name: called(name, null), value: withUnit(value, parameters.get(name))}),

@@ -55,7 +55,7 @@ const facts = (more) => ({
   observers: [],
   faults: [],
   noise: {},
-  truth: {deviation: 0, parameters: {}, process_noise: {}, outputs: {}, states: [], dynamics: {}},
+  truth: {deviation: 0, parameters: {}, process_noise: {}, outputs: {}, states: [], dynamics: {}, record: null},
   broken: null,
   alarms: [],
   alarm_verdicts: [],

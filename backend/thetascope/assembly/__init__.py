@@ -2,7 +2,13 @@
 
 from thetascope.assembly.analyses.observer_catalogue import observer_kinds
 from thetascope.assembly.analyses.plant_check import check_plant
-from thetascope.assembly.analyses.record_run import RecordBytes, carry_out, record_experiment, with_rows
+from thetascope.assembly.analyses.record_run import (
+    RecordBytes,
+    carry_out,
+    record_experiment,
+    with_rows,
+    with_rows_and_diagnosis,
+)
 from thetascope.assembly.build.prepare import Cost, Prepared, prepare
 
 __all__ = [
@@ -15,4 +21,5 @@ __all__ = [
     "prepare",
     "record_experiment",
     "with_rows",
+    "with_rows_and_diagnosis",
 ]

@@ -1,7 +1,7 @@
 // The second bar: the file left, the steps in the middle, actions right; at most one of them is black: what to do next.
 
 import {h} from '../../common/dom.js';
-import {named, say, t} from '../../i18n/words.js';
+import {language, named, say, t} from '../../i18n/words.js';
 import {icon} from '../../widgets/svg.js';
 import {applyRemedy, remedies, remedyWords} from './fit/suspects.js';
 import {span} from './numbers.js';
@@ -102,17 +102,69 @@ function actions(state, act, more) {
       main(t('page.records.step.2'), () => act.diagnose(), {off: !inspection.ready, why: notReady(state)}),
     ];
   if (step === 2) return [back, fitActions(state, act)];
+  const [run] = state.runs;
   return [
     back,
-    h('button', {type: 'button', class: 'quiet', onclick: () => more.exportFindings('csv')}, icon('export'), 'CSV'),
-    h('button', {type: 'button', class: 'quiet', onclick: () => more.exportFindings('json')}, icon('export'), 'JSON'),
+    run &&
+      h(
+        'a',
+        {
+          class: 'quiet',
+          id: 'report',
+          href: `${run.links.report}?lang=${language()}`,
+          target: '_blank',
+          rel: 'noopener',
+        },
+        t('page.records.report'),
+      ),
+    downloads(state, more),
     h(
       'button',
       {type: 'button', class: 'quiet', id: 'copy-link', onclick: more.copyLink},
       icon('link'),
       t('page.records.link'),
     ),
+    run
+      ? main(t('page.records.replay'), () => act.replay())
+      : main(t('page.records.observers.run'), () => act.runObservers()),
   ];
+}
+
+/**
+ * Everything that can be downloaded: the findings, and the columns of the run.
+ * @param {RecordState} state
+ * @param {Parameters<typeof bar>[2]} more
+ */
+function downloads({runs: [run]}, more) {
+  /** @param {'csv' | 'json'} format */
+  const findings = (format) =>
+    h(
+      'button',
+      {type: 'button', onclick: () => more.exportFindings(format)},
+      t('page.records.download.findings', {format: format.toUpperCase()}),
+    );
+  /** @param {string} format @param {string} words */
+  const data = (format, words) =>
+    run &&
+    h(
+      'a',
+      {href: `${run.links.data}?format=${format}`, download: ''},
+      t('page.records.download.columns', {format: words}),
+    );
+  return h(
+    'details',
+    {class: 'download', id: 'download'},
+    h('summary', {class: 'quiet'}, icon('export'), t('page.records.download')),
+    h(
+      'div',
+      {class: 'download-list'},
+      findings('csv'),
+      findings('json'),
+      data('csv', 'CSV'),
+      data('mat', 'MATLAB'),
+      data('parquet', 'Parquet'),
+    ),
+  );
 }
 
 /** @param {RecordState} state @param {RecordActions} act */

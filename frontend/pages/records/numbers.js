@@ -54,3 +54,6 @@ export function span(seconds) {
  */
 export const percent = (share) =>
   share === null || !Number.isFinite(share) ? '–' : `${(100 * share).toFixed(1).replace('-', '−')}\u202f%`;
+
+/** Standard deviations to each side of a band: 95 %. */
+export const WIDE = 2;

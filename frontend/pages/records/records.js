@@ -3,6 +3,7 @@
 import {connection, get, Problem, reason} from '../../common/api.js';
 import {fill, query} from '../../common/dom.js';
 import {mountTop} from '../../common/page-header.js';
+import {pack} from '../../live/state/permalink.js';
 import {chosenLanguage} from '../../i18n/language.js';
 import {speak, t} from '../../i18n/words.js';
 import * as address from './address.js';
@@ -36,6 +37,10 @@ let state = {
   preview: null,
   settings: DEFAULTS,
   diagnosis: null,
+  kinds: [],
+  observers: [{label: 'joint-ekf', kind: 'joint-ekf'}],
+  runs: [],
+  mine: [],
   stale: false,
   step: 1,
   work: null,
@@ -150,13 +155,22 @@ async function inspect(id, mapping, signal) {
 async function choosePlant(choice, signal) {
   /** @type {RecordState['plant']} */
   const plant = typeof choice === 'string' ? await get(`/api/plants/${encodeURIComponent(choice)}`, signal) : choice;
-  update({choice, plant, mapping: null, preview: null, diagnosis: null, stale: false, step: 1});
+  update({choice, plant, mapping: null, preview: null, diagnosis: null, runs: [], stale: false, step: 1});
   if (state.inspection) await inspect(state.inspection.id, null, signal);
 }
 
 /** @param {File} file @param {AbortSignal} signal */
 async function read(file, signal) {
-  update({inspection: null, mapping: null, preview: null, diagnosis: null, stale: false, step: 1, remark: null});
+  update({
+    inspection: null,
+    mapping: null,
+    preview: null,
+    diagnosis: null,
+    runs: [],
+    stale: false,
+    step: 1,
+    remark: null,
+  });
   update({settings: {...DEFAULTS, false_alarms: state.settings.false_alarms}});
   const inspection = await service.upload(file, signal);
   update({inspection});
@@ -193,7 +207,7 @@ const act = {
       update({settings, step: step === 3 ? 3 : 2});
       const diagnosis = await service.diagnose(id, {...present().body, settings}, signal);
       const fits = diagnosis.fit.verdict !== 'does-not-fit';
-      update({diagnosis, stale: false, step: step === 3 && fits ? 3 : 2});
+      update({diagnosis, runs: [], stale: false, step: step === 3 && fits ? 3 : 2});
     }),
   downloadPlant: (format) =>
     during('fitting', async (signal) => {
@@ -204,6 +218,21 @@ const act = {
       const text = format === 'yaml' ? yamlOf(plant) : `${JSON.stringify(plant, null, 1)}\n`;
       save(text, `${plant.id}-fitted.${format}`, format === 'yaml' ? 'application/yaml' : 'application/json');
     }),
+  chooseMine: (id) => during('mapping', async (signal) => choosePlant(await service.saved(id, signal), signal)),
+  observe: (observers) => update({observers}),
+  runObservers: () =>
+    during('observing', async (signal) => {
+      const {id, body} = present();
+      const earlier = state.runs.length ? [] : await service.storedRuns(id, state.inspection?.name ?? '', signal);
+      const run = await service.observe(id, {...body, settings: state.settings, observers: state.observers}, signal);
+      const others = [...state.runs, ...earlier].filter((one) => one.id !== run.id);
+      update({runs: [run, ...others.map((one) => ({...one, shown: false}))]});
+    }),
+  compare: (id, shown) => update({runs: state.runs.map((one) => (one.id === id ? {...one, shown} : one))}),
+  async replay() {
+    const [run] = state.runs;
+    if (run) location.href = `/#s=${await pack({spec: run.spec, t: 0})}`;
+  },
   go(step) {
     update({step, problem: null});
     scrollTo(0, 0);
@@ -216,7 +245,16 @@ const act = {
   },
   startOver() {
     running?.abort();
-    update({inspection: null, mapping: null, preview: null, diagnosis: null, step: 1, problem: null, remark: null});
+    update({
+      inspection: null,
+      mapping: null,
+      preview: null,
+      diagnosis: null,
+      runs: [],
+      step: 1,
+      problem: null,
+      remark: null,
+    });
     keepAddress();
     focusOn('#choose-file');
   },
@@ -251,6 +289,17 @@ async function copyLink() {
   }
 }
 
+/**
+ * Choose the plant of one's own that a stored record had last, with its mapping.
+ * @param {wire.RecordInspection} inspection
+ * @param {AbortSignal} signal
+ */
+async function chooseAgain({id, mapping}, signal) {
+  const plant = await service.plantOf(id, signal);
+  update({choice: plant, plant});
+  await inspect(id, mapping, signal);
+}
+
 /** Open what the address names. */
 async function openAddress() {
   const link = await address.read(location);
@@ -262,7 +311,9 @@ async function openAddress() {
     const inspection = await service.stored(link.record, signal);
     update({inspection});
     const known = state.plants.some(({id}) => id === inspection.plant);
+    const own = link.plant === null && inspection.plant && !known;
     if (link.plant === null && known) await choosePlant(inspection.plant, signal);
+    else if (own) await chooseAgain(inspection, signal);
     else await inspect(link.record, link.mapping, signal);
     if (link.step === 1 || !state.inspection?.ready) return;
     update({work: 'diagnosing', step: 2});
@@ -273,15 +324,17 @@ async function openAddress() {
 
 /** The plants, in the page's language. */
 async function loadPlants() {
-  const [{plants}, {records}] = await Promise.all([
+  const [{plants}, {records}, {observers: kinds}, {plants: mine}] = await Promise.all([
     /** @type {Promise<wire.PlantList>} */ (get('/api/plants')),
     /** @type {Promise<wire.RecordList>} */ (get(`/api/records?limit=${MOST_EARLIER}`)),
+    /** @type {Promise<wire.Catalogue>} */ (get('/api/catalogue')),
+    /** @type {Promise<wire.MyPlantList>} */ (get('/api/my-plants')),
   ]);
   const {choice} = state;
   const plant = typeof choice === 'string' ? await get(`/api/plants/${encodeURIComponent(choice)}`) : state.plant;
   query('.skip').textContent = t('page.records.title');
   top.setAttribute('aria-label', t('page.records.record'));
-  update({plants, plant, earlier: records});
+  update({plants, plant, earlier: records, kinds, mine});
 }
 
 mountTop(query('.top'), connection, 'records', loadPlants);

@@ -16,7 +16,21 @@ export type PlantChoice = string | Plant;
 export type Step = 1 | 2 | 3;
 
 /** What the page is doing that can be cancelled. */
-export type Work = 'reading' | 'mapping' | 'diagnosing' | 'fitting' | 'simulating';
+export type Work = 'reading' | 'mapping' | 'diagnosing' | 'fitting' | 'simulating' | 'observing';
+
+/** Columns of a run by name; null: missing. */
+export type Columns = {t: number[]; [name: string]: (number | null)[]} & {t: number[]};
+
+/** A stored run of observers on the record. */
+export interface RecordRun {
+  id: string;
+  labels: readonly string[];
+  spec: service.Experiment;
+  links: service.Run['links'];
+  columns: Columns;
+  /** Whether its curves are drawn. */
+  shown: boolean;
+}
 
 export interface RecordState {
   plants: readonly service.PlantLine[];
@@ -29,6 +43,14 @@ export interface RecordState {
   preview: Preview | null;
   settings: Settings;
   diagnosis: Diagnosis | null;
+  /** Kinds of observers. */
+  kinds: readonly service.ObserverKind[];
+  /** Those that are to run on the record. */
+  observers: readonly {label: string; kind: string}[];
+  /** Runs on the record, the last one first. */
+  runs: readonly RecordRun[];
+  /** Plants that were saved on the server. */
+  mine: service.MyPlantList['plants'];
   /** Whether mapping or settings have changed since the diagnosis. */
   stale: boolean;
   step: Step;
@@ -51,6 +73,11 @@ export interface RecordActions {
   set(changes: Partial<Settings>): void;
   diagnose(changes?: {mapping?: Mapping; parameters?: string[]}): Promise<void>;
   downloadPlant(format: 'yaml' | 'json'): Promise<void>;
+  chooseMine(id: string): Promise<void>;
+  observe(observers: RecordState['observers']): void;
+  runObservers(): Promise<void>;
+  compare(id: string, shown: boolean): void;
+  replay(): Promise<void>;
   go(step: Step): void;
   cancel(): void;
   startOver(): void;
@@ -67,6 +94,12 @@ export interface Strip {
   high: readonly (number | null)[];
   /** A second curve: values at times in s. */
   second?: {t: readonly number[]; values: readonly (number | null)[]};
+  /** Further curves, each with a band if it has low and high. */
+  curves?: readonly StripCurve[];
+  /** Dashed lines on both sides of zero. */
+  limits?: number;
+  /** The axis shows zero. */
+  zero?: boolean;
   /** Values are held from one interval to the next, as of inputs. */
   held?: boolean;
   /** Intervals without values that make no gap. */
@@ -78,6 +111,15 @@ export interface Strip {
   /** Values beyond it are drawn at the edge. */
   most?: number;
   small?: boolean;
+}
+
+export interface StripCurve {
+  t: readonly number[];
+  values: readonly (number | null)[];
+  low?: readonly (number | null)[];
+  high?: readonly (number | null)[];
+  colour: string;
+  dashed?: boolean;
 }
 
 export interface Band {

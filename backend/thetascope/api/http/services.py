@@ -15,6 +15,7 @@ from thetascope.runs.workers.pool import Workers
 from thetascope.runs.workers.process import preload
 from thetascope.settings import Settings
 from thetascope.store import Database, PlantStore, RecordStore, RunStore
+from thetascope_schemas.experiment.experiment import ResolvedExperiment
 
 PRELOADED = ("sympy", "thetascope.live.session.session", "thetascope.assembly.analyses.record_diagnosis")
 """Modules that workers have imported when they start."""
@@ -53,6 +54,10 @@ class Services:
         runs.resume()
         plants = MyPlants(PlantStore(database))
         return cls(settings, workers, runs, Hub(settings, workers), database, records, plants)
+
+    def with_record(self, spec: ResolvedExperiment) -> ResolvedExperiment:
+        """Return an experiment with the file of its record, if it has one. Raises Unknown for no such record."""
+        return spec if spec.truth.record is None else spec.with_readings(self.records.of_experiment(spec))
 
     def end_computations(self) -> None:
         """End the active runs, all other computations and their processes."""

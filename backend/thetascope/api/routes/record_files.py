@@ -19,12 +19,14 @@ from thetascope.engine.errors import SpecError
 from thetascope.live.wire.localize import encode
 from thetascope.messages import Message
 from thetascope.runs.records.record_files import RecordFile
-from thetascope.runs.specs.refusals import from_engine, invalid, validated
+from thetascope.runs.specs.refusals import Unknown, from_engine, invalid, validated
 from thetascope.runs.specs.resolve_spec import plant_of
 from thetascope_schemas.experiment.measurement import ColumnMapping
+from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.answers import RecordList
 from thetascope_schemas.service.record import Record
 from thetascope_schemas.service.record_inspection import MappingRequest, RecordInspection, RecordPreview
+from thetascope_schemas.texts.local_text import ALL
 
 router = APIRouter(prefix="/records", tags=["diagnosis"])
 
@@ -152,6 +154,15 @@ async def preview_record(
     return Response(preview.model_dump_json(), media_type="application/json")
 
 
+@router.get("/{id}/plant", response_model=Plant, responses=documented(404))
+async def get_record_plant(request: Request, id: str, services: Use) -> Response:
+    """Return the plant that was chosen for a record last, in full, so that a plant of one's own is not lost."""
+    record = await _found(request, services, id)
+    if record.plant is None:
+        raise Unknown(Message("record.no-plant"))
+    return json_response(record.plant.model_dump(mode="json", context={"language": ALL}))
+
+
 @router.delete("/{id}", status_code=204, responses=documented(403, 404))
 def delete_record(request: Request, id: str, services: Use) -> Response:
     """Remove a record of this client; the file goes with the last of its owners."""
@@ -178,7 +189,9 @@ async def _inspection(request: Request, services: Services, record: RecordFile) 
 def links(id: str) -> dict[str, str]:
     """Return the addresses of a record's parts."""
     base = f"/api/records/{id}"
-    return {"self": base} | {part: f"{base}/{part}" for part in ("mapping", "preview", "diagnosis", "fit", "runs")}
+    return {"self": base} | {
+        part: f"{base}/{part}" for part in ("mapping", "plant", "preview", "diagnosis", "fit", "runs")
+    }
 
 
 def _with_id(inspection: RecordInspection, id: str) -> RecordInspection:

@@ -122,6 +122,7 @@ async def observe(request: Request, services: Use, language: Language) -> Respon
     from thetascope.assembly.analyses.observability_report import observability
 
     spec = await parsed(request, services.settings.max_body, lambda data: resolved(validated(Experiment, data)))
+    spec = await run_in_threadpool(services.with_record, spec)
     try:
         report = await computed(request, services, observability, spec)
     except SpecError as error:

@@ -1,5 +1,6 @@
 """/api/sessions: open, fork, save, read and end live sessions. The websocket is in session_stream.py."""
 
+from collections.abc import Callable
 from math import ceil, floor
 from typing import Annotated, Any, Literal
 
@@ -26,7 +27,7 @@ from thetascope.api.http.services import Services, Use
 from thetascope.api.operation.request_log import audit
 from thetascope.api.routes import table_query
 from thetascope.api.routes.session_stream import Stream, matches
-from thetascope.engine.errors import Unwatchable
+from thetascope.engine.errors import SpecError, Unwatchable
 from thetascope.export import MEDIA_TYPES, Table, csv_chunks, indices, json_bytes, matlab_bytes
 from thetascope.live.facts.window_comparison import window_comparison
 from thetascope.live.room.advice import propose_input_for
@@ -35,7 +36,7 @@ from thetascope.live.wire.localize import encode
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Snapshot
 from thetascope.runs.specs.problem_documents import problem
-from thetascope.runs.specs.refusals import NotReady, Unknown, invalid, validated
+from thetascope.runs.specs.refusals import NotReady, Unknown, from_engine, invalid, validated
 from thetascope_schemas.experiment.diagnosis import InputProposal
 from thetascope_schemas.experiment.experiment import ResolvedExperiment
 from thetascope_schemas.service.answers import SessionOpened, SessionState
@@ -74,11 +75,27 @@ async def create_session(request: Request, services: Use, language: Language) ->
         await compute(request, services, rehearse_opening, spec, services.settings.session_rows)
 
     client, most = client_of(request), limits_for(request, services).sessions
-    opening = services.live.create(body.resolved, body.t, body.play, body.speed, rehearse, client, most)
+    read = await _reader(request, services, body)
+    opening = services.live.create(read, body.t, body.play, body.speed, rehearse, client, most)
     try:
         return _opened(await while_connected(request, opening))
     except TooManySessions:
         return _full(services, language)
+
+
+async def _reader(request: Request, services: Services, body: SessionRequest) -> Callable[[], ResolvedExperiment]:
+    """Return the function that gives a session's experiment; of a record its rows are read in a worker process."""
+    if body.spec is None or body.spec.truth.record is None:
+        return body.resolved
+    from thetascope.assembly import with_rows_and_diagnosis  # imports the engine
+
+    spec = await run_in_threadpool(body.resolved)
+    spec = await run_in_threadpool(services.with_record, spec)
+    try:
+        whole = await computed(request, services, with_rows_and_diagnosis, spec)
+    except SpecError as error:
+        raise from_engine(error) from None
+    return lambda: whole
 
 
 @router.get("/{id}", response_model=SessionState, responses=documented(404))

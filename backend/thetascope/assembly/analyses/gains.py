@@ -1,5 +1,6 @@
 """The gains of an experiment's observers, with defaults filled in."""
 
+from thetascope.assembly.analyses.record_run import with_rows
 from thetascope.assembly.build.experiment_builder import engine
 from thetascope.assembly.build.gain_values import Values, from_parameters
 from thetascope.engine.simulation.experiment import Estimator
@@ -14,7 +15,7 @@ def present_gains(spec: ResolvedExperiment) -> tuple[dict[str, dict[str, Values]
 
     Raises SpecError where the experiment cannot run.
     """
-    estimators = engine(spec).estimators
+    estimators = engine(with_rows(spec)).estimators
     return {e.label: _values(e) for e in estimators}, {e.label: _labels(e) for e in estimators}
 
 

@@ -2,6 +2,7 @@
 
 import math
 
+from thetascope.assembly.analyses.record_run import with_rows
 from thetascope.assembly.build.prepare import prepare
 from thetascope.engine.observability.empirical_gramian import empirical
 from thetascope.engine.observability.identifiability import structure
@@ -14,7 +15,8 @@ _INSTANTS = 6
 
 def observability(spec: ResolvedExperiment) -> Observability:
     """Return the symbolic rank, valid for some input, and the empirical Gramian along the run with this one."""
-    experiment = prepare(spec.model_copy(update={"observers": (), "figures": (), "commands": ()})).engine
+    plain = with_rows(spec).model_copy(update={"observers": (), "figures": (), "commands": ()})
+    experiment = prepare(plain).engine
     found, along = (
         structure(spec.plant.model_dump(mode="json")),
         empirical(experiment, WINDOW * spec.horizon, _INSTANTS),

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -39,6 +40,21 @@ def with_rows(spec: ResolvedExperiment) -> ResolvedExperiment:
         return spec
     recording = recording_in(inspected_file(file.name, file.data, spec.plant, record.mapping))
     return spec.with_readings(RecordRows(recording, file.diagnosis))
+
+
+def with_rows_and_diagnosis(spec: ResolvedExperiment) -> ResolvedExperiment:
+    """Return an experiment with the rows of its record and the record's diagnosis, for a replay.
+
+    Raises SpecError for a file that cannot be read. A record that cannot be diagnosed has no diagnosis.
+    """
+    spec = with_rows(spec)
+    rows = spec.readings
+    if not isinstance(rows, RecordRows) or rows.diagnosis is not None or not spec.diagnosis.enabled:
+        return spec
+    try:
+        return spec.with_readings(RecordRows(rows.recording, _diagnosis(spec, None, None)))
+    except SpecError:
+        return spec
 
 
 def record_experiment(
@@ -152,6 +168,17 @@ def alarms_of(diagnosis: RecordDiagnosis) -> tuple[Alarm, ...]:
     """Return the confirmed faults of a record as alarms, in the order of time."""
     confirmed = [fault for fault in diagnosis.faults if fault.confirmed]
     return tuple(sorted((_alarm(fault, diagnosis.threshold or 0.0) for fault in confirmed), key=lambda a: a.t))
+
+
+def alarms_on_record(spec: ResolvedExperiment) -> tuple[Alarm, ...]:
+    """Return the alarms of an experiment's record; none without a record, or where its diagnosis is not known."""
+    rows = spec.readings
+    return _alarms_of(rows) if isinstance(rows, RecordRows) else ()
+
+
+@lru_cache(maxsize=64)
+def _alarms_of(rows: RecordRows) -> tuple[Alarm, ...]:
+    return () if rows.diagnosis is None else alarms_of(rows.diagnosis)
 
 
 def _alarm(fault: RecordFault, threshold: float) -> Alarm:

@@ -58,7 +58,7 @@ def window_figures(window: Columns, label: str, state: str, channel: str | None)
     """Return RMSE and noise of an observer over the rows of a window; `t` is one of the columns."""
     t = window.column("t")
     rmse = None
-    if f"{label}.x.{state}" in window.names:
+    if f"x.{state}" in window.names and f"{label}.x.{state}" in window.names:
         rmse = error(window.column(f"x.{state}"), window.column(f"{label}.x.{state}"))[0]
     noise = None
     if channel is not None and f"{label}.theta.{channel}" in window.names and t.size:

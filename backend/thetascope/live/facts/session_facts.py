@@ -6,10 +6,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from thetascope.assembly.analyses.facts import DetectorState, Losses, facts
+from thetascope.assembly.analyses.record_run import alarms_on_record
 from thetascope.diagnosis.evaluation.verdicts import Judgement, judge, presences
 from thetascope.diagnosis.isolation.decision_state import Finding
+from thetascope.diagnosis.sentences import joined
 from thetascope.engine.inputs.signals import Signal
 from thetascope.messages import Message
+from thetascope_schemas import ResolvedExperiment
+from thetascope_schemas.experiment.base import Text
 from thetascope_schemas.experiment.diagnosis import Alarm, ObserverDiagnosis
 from thetascope_schemas.service.facts import Facts
 
@@ -28,7 +32,19 @@ def facts_of(session: "Session", row: int, memory: "FactsMemory", diagnosis: Obs
     """
     t = max(0, row - 1) * session.record
     at = time_of_next_row(session.record, row)
-    return facts(session.spec, t, at, detector_state(session, t, at, memory, diagnosis), losses(session, row))
+    known = facts(session.spec, t, at, detector_state(session, t, at, memory, diagnosis), losses(session, row))
+    return known if session.spec.truth.record is None else _of_record(known, session.spec)
+
+
+def _of_record(known: Facts, spec: ResolvedExperiment) -> Facts:
+    """Return facts with the alarms that the diagnosis of the whole record has raised by then."""
+    alarms = tuple(alarm for alarm in alarms_on_record(spec) if alarm.t <= known.t)
+    if alarms:
+        found = [Message.from_data(alarm.text.model_dump()) for alarm in alarms]
+        summary = Message("record.summary.faults", faults=joined(found))
+    else:
+        summary = Message("record.summary.none", end=known.t)
+    return known.model_copy(update={"alarms": alarms, "summary": Text.of(summary)})
 
 
 def time_of_next_row(record: float, row: int) -> float:

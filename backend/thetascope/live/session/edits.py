@@ -7,6 +7,7 @@ from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.experiment.commands import (
     MAX_COMMANDS,
     AddObserver,
+    OfTruth,
     RemoveObserver,
     SetGain,
     SetNoise,
@@ -50,11 +51,18 @@ def with_fault(spec: ResolvedExperiment, command: Inject, at: float) -> Resolved
     Raises:
         SpecError: the plant has no channel or output of that name.
     """
+    _not_recorded(spec, "fault")
     fault = command.fault
     end = None if fault.end is None else at + fault.end
     fault = fault.model_copy(update={"onset": at + fault.onset, "end": end})
     _check_name(spec, fault.site.kind, f"fault.{fault.site.kind}", fault.site.name)
     return spec.model_copy(update={"faults": (*spec.faults, fault)})
+
+
+def _not_recorded(spec: ResolvedExperiment, field: str) -> None:
+    """Refuse a change of what a record holds."""
+    if spec.truth.record is not None:
+        raise SpecError(field, spec.truth.record.name, Message("session.recorded"))
 
 
 def _check_name(spec: ResolvedExperiment, kind: str, field: str, name: str) -> None:
@@ -98,6 +106,8 @@ def with_command(
     if (too_often := spec.too_often(getattr(timed, "signal", timed))) is not None:
         field, interval, code, args = too_often
         raise SpecError(field, interval, Message(code, **args))
+    if isinstance(timed, OfTruth):
+        _not_recorded(spec, "command")
     if isinstance(timed, SetTruth):
         _check_truth(here, timed)
     after = changed(here, timed)

@@ -231,13 +231,20 @@ def _tail_start(experiment: Engine, row: int) -> int:
 
 def columns_of(experiment: Engine) -> tuple[str, ...]:
     """Return the names of an experiment's columns, in the order of every export."""
-    names = ["t", *experiment.given, *experiment.plant.states]
-    names += experiment.loop.controller_states if experiment.loop is not None else ()
-    names += [n for n in experiment.signals if n.startswith("theta.")]
+    names = ["t", *experiment.given]
+    if not experiment.recorded:
+        names += _unknown_columns(experiment)
     names += experiment.plant.outputs
     for e in experiment.estimators:
         names += [f"{e.label}.{n}" for n in _own_columns(e)]
     return tuple(names)
+
+
+def _unknown_columns(experiment: Engine) -> list[str]:
+    """Return the names of the columns of a simulated plant that a record lacks: states, controllers, true faults."""
+    names = [*experiment.plant.states]
+    names += experiment.loop.controller_states if experiment.loop is not None else ()
+    return names + [n for n in experiment.signals if n.startswith("theta.")]
 
 
 def _own_columns(e: Estimator) -> tuple[str, ...]:

@@ -83,6 +83,8 @@ class LiveDetector:
     def create(cls, spec: ResolvedExperiment, experiment: Engine, record: float) -> "LiveDetector":
         """Return the detector for a session on a spec that begins as `experiment`."""
         settings, wanted = spec.diagnosis, detector_settings(spec)
+        if spec.truth.record is not None:
+            return cls(None, wanted, settings, spec.horizon, record, Message("diagnosis.none.record"))
         whole = replace(experiment, steps=round(span(spec) / spec.step))
         note = unwatchable(whole, _context(experiment)) if settings.enabled else Message("diagnosis.none.disabled")
         detector = None

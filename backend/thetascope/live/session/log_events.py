@@ -1,10 +1,11 @@
 """Events for the log of a live session: commands, and faults and timed commands that take effect."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from pydantic import JsonValue
 
+from thetascope.assembly.analyses.record_run import alarms_on_record
 from thetascope.diagnosis.evaluation.verdicts import fault_ids
 from thetascope.messages import Argument, Message
 from thetascope_schemas import ResolvedExperiment
@@ -53,6 +54,7 @@ def due_events(spec: ResolvedExperiment, log: Sequence[Event], first: int, last:
             event = command_event(command, row, row * record)
             if event.value not in logged.get((event.kind, event.subject, row), []):
                 events.append(event)
+    events += _found_in_record(spec, logged, (first, last), record)
     for id, fault in zip(fault_ids(spec.faults), spec.faults, strict=True):
         name = fault.site.name
         for kind, by_hand, row in _edges(fault, record):
@@ -60,6 +62,29 @@ def due_events(spec: ResolvedExperiment, log: Sequence[Event], first: int, last:
                 message = Text.of(Message(f"event.{kind}", fault=name))
                 events.append(Event(row=row, t=row * record, kind=kind, subject=name, fault=id, message=message))
     return events
+
+
+def _found_in_record(
+    spec: ResolvedExperiment,
+    logged: Mapping[tuple[str, str, int], list[JsonValue]],
+    rows: tuple[int, int],
+    record: float,
+) -> Iterator[Event]:
+    """Yield the alarms of a record's diagnosis in rows first … last − 1."""
+    for alarm in alarms_on_record(spec):
+        subject = alarm.channel or alarm.output
+        row = math.ceil(alarm.t / record - 1e-9)
+        if rows[0] <= row < rows[1] and ("alarm", subject, row) not in logged:
+            value = alarm.model_dump(mode="json", exclude={"text"}) | {"estimate": alarm.size, "sigma": None}
+            yield Event(
+                row=row,
+                t=row * record,
+                kind="alarm",
+                subject=subject,
+                observer="detector",
+                value=value,
+                message=alarm.text,
+            )
 
 
 def _edges(fault: Fault, record: float) -> Iterator[tuple[EventKind, EventKind, int]]:

@@ -47,6 +47,8 @@ class SessionSetup:
         stages = tuple(prepare(spec).stages)
         first = stages[0].experiment
         detector = LiveDetector.create(spec, first, first.every * first.step)
+        if first.recorded:
+            horizon = min(horizon, first.steps // first.every + 1)
         return cls(spec, stages, horizon, detector, first.step, first.every)
 
     @property

@@ -14,6 +14,16 @@ import {named, t} from '../../../i18n/words.js';
 /** @import {InjectRow} from './inject-row.js' */
 /** @import {Subject} from './fault-form.js' */
 
+/**
+ * In place of faults that could be injected: where the readings come from.
+ * @param {service.RecordedTruth} record
+ */
+const recordNote = ({id, name}) => [
+  h('p', {}, t('page.inject.record.replayed', {name: name || id.slice(0, 8)})),
+  h('p', {class: 'soft'}, t('page.inject.record.hint')),
+  h('a', {class: 'link', href: `/records/?record=${encodeURIComponent(id)}`}, t('page.inject.record.open')),
+];
+
 /** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   /** @type {Map<string, InjectRow>} */
@@ -43,6 +53,8 @@ export function mount(element, app) {
     if (plant !== app.state.plant) return;
     clear();
     if (!plant) return fill(element, heading(t('page.inject.title')));
+    const record = app.state.spec?.truth?.record;
+    if (record) return fill(element, heading(t('page.inject.record')), recordNote(record));
     const channels = channelRows(app, plant, faults, rows);
     const outputs = outputRows(app, plant, faults, rows);
     const toggle = link(

@@ -5,11 +5,14 @@ import {badges, plain, split} from '../../../common/names.js';
 import {small} from '../../../diagnosis/fault-size.js';
 import {named, t} from '../../../i18n/words.js';
 import {sentence} from '../sentence.js';
-import {badge, heading} from '../../../widgets/controls.js';
+import {badge, chip, heading} from '../../../widgets/controls.js';
 import {span} from '../numbers.js';
 import {picture} from '../picture/picture.js';
 import {gapsOf, lengthOf, stripsOf} from '../read/read-step.js';
 import {faultTable, titleOf} from './fault-table.js';
+import {estimateStrips, innovationStrips, residualStrips, shownObservers, withEstimates} from './observer-strips.js';
+import {observersCard} from './observers-card.js';
+import {runCard} from './run-card.js';
 
 /** @import {Band, Diagnosis, Mark, Plant, RecordActions, RecordState, Strip} from '../types.js' */
 
@@ -21,8 +24,12 @@ const LEAST = 1e-3; // of the threshold; below it the curve is not drawn
  * @param {RecordState} state
  * @param {RecordActions} act
  */
-export function findingsStep({diagnosis, plant, preview, inspection}, act) {
+export function findingsStep(state, act) {
+  const {diagnosis, plant, preview, inspection, runs} = state;
   if (!diagnosis || !plant) return null;
+  const observers = shownObservers(runs);
+  const duration = inspection ? lengthOf(inspection) : diagnosis.duration;
+  const noise = Object.fromEntries(diagnosis.fit.outputs.map((one) => [one.output, one.noise]));
   return [
     h(
       'div',
@@ -39,12 +46,26 @@ export function findingsStep({diagnosis, plant, preview, inspection}, act) {
         h(
           'section',
           {class: 'card picture-card'},
-          heading(t('page.records.record'), legend()),
+          heading(t('page.records.record'), legend(observers)),
           picture({
-            duration: lengthOf(inspection),
-            strips: [...stripsOf(preview, plant), ...statistic(diagnosis, preview.t.length, lengthOf(inspection))],
+            duration,
+            strips: [
+              ...estimateStrips(observers, plant),
+              ...withEstimates(stripsOf(preview, plant), observers, preview),
+              ...residualStrips(observers, plant, noise),
+              ...(observers.length
+                ? []
+                : innovationStrips(diagnosis.innovations, plant, {count: preview.t.length, duration})),
+              ...statistic(diagnosis, preview.t.length, duration),
+            ],
             bands: [...gapsOf(inspection, preview.t[0] ?? 0), ...faultBands(diagnosis, lengthOf(inspection))],
-            marks: alarmMarks(diagnosis, plant, preview.series[0]?.name ?? STATISTIC),
+            marks: alarmMarks(
+              diagnosis,
+              plant,
+              observers.length && plant.channels.length
+                ? `theta.${plant.channels[0].name}`
+                : (preview.series[0]?.name ?? STATISTIC),
+            ),
             label: t('page.records.record'),
           }),
         ),
@@ -52,6 +73,8 @@ export function findingsStep({diagnosis, plant, preview, inspection}, act) {
     h(
       'div',
       {class: 'side-column'},
+      observersCard(state, act),
+      runCard(state, act),
       missingCard(diagnosis),
       visibleCard(diagnosis, plant),
       certaintyCard(diagnosis, act),
@@ -69,10 +92,12 @@ const quiet = ({healthy, false_alarms}, duration) =>
     length: span(duration),
   });
 
-const legend = () =>
+/** @param {ReturnType<typeof shownObservers>} observers */
+const legend = (observers) =>
   h(
     'span',
     {class: 'legend'},
+    observers.map(({colour, title}) => [chip(colour), title]),
     h('span', {class: 'swatch fault'}),
     t('page.records.legend.fault'),
     h('span', {class: 'alarm', 'aria-hidden': 'true'}, '▼'),

@@ -7,6 +7,7 @@ import {heading, link} from '../../../widgets/controls.js';
 import {percent} from '../numbers.js';
 import {picture} from '../picture/picture.js';
 import {gapsOf, stripsOf} from '../read/read-step.js';
+import {innovationStrips} from '../findings/observer-strips.js';
 import {refusalCard} from '../refusal.js';
 import {parametersCard} from './parameters.js';
 import {stretchOver} from './stretch.js';
@@ -174,7 +175,12 @@ function pictureCard(state, act) {
     stretch && stretchFields(stretch, state, act),
     picture({
       duration,
-      strips: stripsOf(preview, state.plant, diagnosis?.simulated),
+      strips: [
+        ...stripsOf(preview, state.plant, diagnosis?.simulated),
+        ...(state.plant
+          ? innovationStrips(diagnosis?.innovations, state.plant, {count: preview.t.length, duration})
+          : []),
+      ],
       bands: gapsOf(inspection, preview.t[0] ?? 0),
       over:
         stretch &&

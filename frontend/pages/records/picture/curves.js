@@ -111,6 +111,44 @@ export function widened([low, high], values) {
 }
 
 /**
+ * The area between two curves; nothing where one is missing.
+ * @param {readonly number[]} t
+ * @param {Values} low
+ * @param {Values} high
+ * @param {number} end   time at the right edge
+ * @param {(value: number) => number} height
+ */
+export function area(t, low, high, end, height) {
+  /** @type {number[][]} */
+  const stretches = [[]];
+  t.forEach((_, k) => {
+    if (low[k] === null || high[k] === null) stretches.push([]);
+    else stretches[stretches.length - 1].push(k);
+  });
+  /** @param {number} k @param {Values} values */
+  const point = (k, values) => `${((WIDTH * t[k]) / end).toFixed(1)} ${height(Number(values[k])).toFixed(1)}`;
+  return stretches
+    .filter((one) => one.length > 1)
+    .map((one) => {
+      const there = one.map((k) => point(k, low));
+      const back = one.map((k) => point(k, high)).reverse();
+      return `M${[...there, ...back].join('L')}Z`;
+    })
+    .join('');
+}
+
+/**
+ * The range of estimates: of the curves after their first tenth, in which they settle; with zero if it is asked for.
+ * @param {readonly {values: Values}[]} curves
+ * @param {boolean} [zero]
+ * @returns {[low: number, high: number]}
+ */
+export function rangeOfCurves(curves, zero = false) {
+  const settled = curves.flatMap(({values}) => values.slice(Math.floor(values.length / 10)));
+  return range(settled, zero ? [...settled, 0] : settled, zero ? {line: 0} : {});
+}
+
+/**
  * Places of marks, as shares of the width, moved apart so that none covers another; their order stays.
  * @param {readonly number[]} places
  * @param {number} gap

@@ -4,7 +4,7 @@
 import {h, number} from '../../../common/dom.js';
 import {marks as multiples, niceStep} from '../../../live/scope/axes.js';
 import {seconds} from '../../../widgets/number-format.js';
-import {HEIGHT, WIDTH, apart, heights, line as curve, path, range, widened} from './curves.js';
+import {HEIGHT, WIDTH, apart, area, heights, line as curve, path, range, rangeOfCurves, widened} from './curves.js';
 
 /** @import {Band, Mark, Strip} from '../types.js' */
 /** @import {Child} from '../../../types/dom.js' */
@@ -89,9 +89,12 @@ function marksOf(marks, key, end) {
  * @param {number} end
  */
 function plot(strip, k, times, marks, end) {
-  const {low, high, logarithmic = false, line, most, second} = strip;
-  const own = range(low, high, {line: line?.at, most, logarithmic});
-  const limits = second ? widened(own, second.values) : own;
+  const {low, high, logarithmic = false, line, most, second, curves = [], limits: sides} = strip;
+  const own = low.length ? range(low, high, {line: line?.at, most, logarithmic}) : rangeOfCurves(curves, strip.zero);
+  const limits = [second, ...(low.length ? curves : [])].reduce(
+    (wide, one) => (one ? widened(wide, one.values) : wide),
+    own,
+  );
   const height = heights(limits, logarithmic);
   return h(
     'div',
@@ -101,8 +104,27 @@ function plot(strip, k, times, marks, end) {
       {viewBox: `0 0 ${WIDTH} ${HEIGHT}`, preserveAspectRatio: 'none', 'aria-hidden': 'true'},
       times.map((at) => h('line', {class: 'grid', x1: (at / end) * WIDTH, x2: (at / end) * WIDTH, y1: 0, y2: HEIGHT})),
       line && h('line', {class: 'threshold', x1: 0, x2: WIDTH, y1: height(line.at), y2: height(line.at)}),
-      h('path', {class: second ? 'measured' : null, d: path(low, high, height, strip.held, strip.bridged)}),
+      sides !== undefined &&
+        [-sides, sides].map((at) => h('line', {class: 'side', x1: 0, x2: WIDTH, y1: height(at), y2: height(at)})),
+      curves.map(
+        ({t, low: lower, high: upper, colour}) =>
+          lower &&
+          upper &&
+          h('path', {class: 'curve-band', style: `--c:${colour}`, d: area(t, lower, upper, end, height)}),
+      ),
+      low.length > 0 &&
+        h('path', {
+          class: second || curves.length > 0 ? 'measured' : null,
+          d: path(low, high, height, strip.held, strip.bridged),
+        }),
       second && h('path', {class: 'simulated', d: curve(second.t, second.values, end, height)}),
+      curves.map(({t, values, colour, dashed}) =>
+        h('path', {
+          class: dashed ? 'curve dashed' : 'curve',
+          style: `--c:${colour}`,
+          d: curve(t, values, end, height),
+        }),
+      ),
     ),
     valueTicks(limits, logarithmic).map((at) =>
       h('span', {class: 'value', style: `top:${height(at)}%`, 'aria-hidden': 'true'}, number(at, 3)),

@@ -7,6 +7,7 @@ import {itemOf} from './columns.js';
 /** @import {RecordActions, RecordState} from '../types.js' */
 
 const OWN = ' own'; // no id of the library
+const MINE = ' mine '; // before the id of a plant that was saved
 const draft = {text: '', open: false}; // kept while the page is drawn again
 
 /**
@@ -14,7 +15,7 @@ const draft = {text: '', open: false}; // kept while the page is drawn again
  * @param {RecordActions} act
  */
 export function plantCard(state, act) {
-  const {plants, choice, inspection, plant} = state;
+  const {plants, mine, choice, inspection, plant} = state;
   const own = choice !== null && typeof choice === 'object' ? choice : null;
   /** @param {string} value @param {string} words @param {boolean} selected */
   const option = (value, words, selected) => h('option', {value, selected}, words);
@@ -28,11 +29,18 @@ export function plantCard(state, act) {
         id: 'plant',
         class: choice === null ? 'wanted' : null,
         onchange: ({currentTarget: {value}}) => {
-          if (value !== OWN) act.choose(value || null);
+          if (value.startsWith(MINE)) act.chooseMine(value.slice(MINE.length));
+          else if (value !== OWN) act.choose(value || null);
         },
       },
       option('', t('page.records.plant.none'), choice === null),
       own && option(OWN, named(own.title) || own.id, true),
+      mine.length > 0 &&
+        h(
+          'optgroup',
+          {label: t('page.records.plant.mine')},
+          mine.map(({id, title}) => option(`${MINE}${id}`, named(title) || id, false)),
+        ),
       plants.map((line) => option(line.id, named(line.title) || line.id, line.id === choice)),
     ),
     plant &&

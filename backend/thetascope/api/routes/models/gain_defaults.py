@@ -1,6 +1,7 @@
 """/api/gains: the gains of observers, with defaults computed for the plant and its noise."""
 
 from fastapi import APIRouter, Request
+from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from thetascope.api.http.answers import json_response
@@ -25,5 +26,6 @@ async def gains(request: Request, services: Use) -> Response:
     from thetascope.assembly.analyses.gains import present_gains  # imports SymPy, so the service starts without it
 
     spec = await parsed(request, services.settings.max_body, lambda data: resolved(validated(Experiment, data)))
+    spec = await run_in_threadpool(services.with_record, spec)
     gains, labels = await computed(request, services, present_gains, spec)
     return json_response({"gains": gains, "labels": labels})
