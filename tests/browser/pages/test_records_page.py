@@ -21,10 +21,11 @@ PASTE = """(text) => {
 }"""
 
 
-def downloaded(page, button: str) -> str:
-    """Press a button and return the text of the file that it downloads."""
+def downloaded(page, words: str) -> str:
+    """Choose something to download and return the text of its file."""
+    page.evaluate("document.querySelector('#download').open = true")
     with page.expect_download() as download:
-        page.click(button)
+        page.click(f".download-list :text('{words}')")
     return Path(download.value.path()).read_text()
 
 
@@ -42,11 +43,11 @@ def test_a_fault_is_found_in_three_steps_and_the_address_reopens_them(page, tmp_
     opened.click("#next")
     row = opened.wait_for_selector(".faults tbody tr")
     assert "Sensor offset" in row.inner_text()
-    head, best, *_ = downloaded(opened, ".bar-actions button:has-text('CSV')").splitlines()
+    head, best, *_ = downloaded(opened, "Findings (CSV)").splitlines()
     found = dict(zip(head.split(","), best.split(","), strict=True))
     assert found["channel"] == "offset" and abs(float(found["onset_s"]) - ONSET) <= 2
     assert float(found["size_low"]) < OFFSET < float(found["size_high"]) and abs(float(found["size"]) - OFFSET) < 0.1
-    report = json.loads(downloaded(opened, ".bar-actions button:has-text('JSON')"))
+    report = json.loads(downloaded(opened, "Findings (JSON)"))
     assert report["faults"][0]["best"]["size"]["value"] == float(found["size"])
     assert opened.locator(".band.fault").count() == 1 and opened.locator(".threshold").count() == 1
     again = page(opened.evaluate("location.pathname + location.search + location.hash"))
@@ -56,6 +57,34 @@ def test_a_fault_is_found_in_three_steps_and_the_address_reopens_them(page, tmp_
     assert opened.watch.errors == again.watch.errors == [] and opened.watch.foreign == []
 
 
+def test_observers_run_on_a_record_whose_own_plant_is_kept(page, tmp_path):
+    """θ̂ of the observers is drawn with bands, the run has a report and all downloads, and the list of earlier records
+    brings back the plant of one's own; the run is replayed in Live, where nothing can be injected."""
+    opened = page("/records/")
+    read_on(opened, tmp_path, "observed.csv", csv(tank_rows()))
+    checked(opened)
+    opened.click("#next")
+    opened.wait_for_selector(".step-3 .verdict")
+    opened.select_option("#add-observer", "adaptive-kalman")
+    opened.click("#run-observers")
+    opened.wait_for_selector(".run-card")
+    assert opened.locator("[data-strip='theta.offset'] .curve").count() == 2
+    assert opened.locator("[data-strip='theta.offset'] .curve-band").count() == 2
+    assert opened.locator("[data-strip='residual.y'] .curve").count() == 2
+    head = downloaded(opened, "All columns (CSV)").partition("\n")[0].split(",")
+    assert "joint-ekf.theta.offset" in head and "adaptive-kalman.sigma.offset" in head and "theta.offset" not in head
+    assert opened.get_attribute("#report", "href").startswith("/api/runs/")
+    again = page("/records/")
+    again.click(".earlier a:has-text('observed.csv')")
+    again.wait_for_selector("#found .checked")
+    until(again, "document.querySelector('#plant').selectedOptions[0].textContent.includes('Tank')")
+    opened.click("#next")
+    opened.wait_for_selector("#panel-inject a[href*='/records/?record=']")
+    assert opened.locator("#panel-inject button").count() == 0
+    until(opened, "document.querySelectorAll('#panel-observers .chip').length >= 2")
+    assert opened.watch.errors == again.watch.errors == []
+
+
 def test_a_leak_is_found_in_a_closed_loop(page, tmp_path):
     """The controller keeps the level and raises the flow; the leak has its size, and its rows are marked."""
     opened = page("/records/", width=390, height=844, theme="dark")
@@ -63,7 +92,7 @@ def test_a_leak_is_found_in_a_closed_loop(page, tmp_path):
     assert "fits" in checked(opened)
     opened.click("#next")
     assert "Leak" in opened.wait_for_selector(".faults tbody tr").inner_text()
-    head, best, *_ = downloaded(opened, ".bar-actions button:has-text('CSV')").splitlines()
+    head, best, *_ = downloaded(opened, "Findings (CSV)").splitlines()
     found = dict(zip(head.split(","), best.split(","), strict=True))
     assert abs(float(found["size"]) - 0.03) < 0.003 and abs(float(found["onset_s"]) - ONSET) <= 5
     width = opened.evaluate("document.documentElement.scrollWidth")
