@@ -2343,6 +2343,8 @@ export interface RecordDiagnosis {
   threshold: number | null;
   /** Accepted false alarms per hour. */
   false_alarms: number;
+  /** False alarms per hour that can be promised with 95 % certainty: the noise was estimated from the rows of the healthy stretch; null: not needed. */
+  promised_false_alarms: number | null;
   /** Rows of the record. */
   rows: number;
   /** Length of the record in s. */

@@ -334,6 +334,7 @@ class RecordDiagnosis(Strict):
         decisions=[_DECISION],
         threshold=26.7,
         false_alarms=0.01,
+        promised_false_alarms=0.03,
         rows=600,
         duration=599.0,
         statistic={"t": [0.0], "largest": [3.1]},
@@ -351,6 +352,11 @@ class RecordDiagnosis(Strict):
     decisions: tuple[RecordDecision, ...] = Field(description="All alarms in the order of time.")
     threshold: Number | None = Field(description="Threshold of the statistic along this record; null: not needed.")
     false_alarms: Number = Field(description="Accepted false alarms per hour.")
+    promised_false_alarms: Number | None = Field(
+        default=None,
+        description="False alarms per hour that can be promised with 95 % certainty: the noise was estimated from the "
+        "rows of the healthy stretch; null: not needed.",
+    )
     rows: int = Field(ge=0, description="Rows of the record.")
     duration: Number = Field(description="Length of the record in s.")
     statistic: StatisticCurve | None = Field(default=None, description="The statistic along the record, or null.")

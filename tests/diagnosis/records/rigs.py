@@ -52,10 +52,7 @@ def tank(fault: Mapping[str, Course] | None = None, rows: int = 500, noise: floa
 
 
 def three_tanks(fault: Mapping[str, Course], rows: int = 1400, seed: int = 0) -> tuple[Plant, Recording]:
-    """Return the library's three tanks under PI control with coloured sensor noise and process noise.
-
-    ``flow1`` is an additive flow into tank 1 in cm³/s, which the plant has no channel for.
-    """
+    """Return the library's three tanks under PI control with coloured sensor noise and process noise."""
     rng, area = np.random.default_rng(seed), 154.0
     h, integral, e, lines = np.array([41.0, 32.0, 36.6]), np.array([21.4, 53.8]), np.zeros(3), []
     s1, s3, s2 = 0.23, 0.225, 0.3

@@ -188,9 +188,12 @@ def test_faults_far_apart_keep_their_own_numbers() -> None:
 
 
 def test_a_fault_that_the_plant_lacks_is_proposed() -> None:
-    """A flow into tank 1, for which there is no channel, is reported as an additive fault of its equation."""
+    """A flow out of tank 1 is named; without a channel for it, an additive fault of its equation is reported."""
     plant, recording = three_tanks({"flow1": since(700, -8.0)}, rows=2200)
-    diagnosis = diagnosed(plant, recording, healthy=600)
+    check(diagnosed(plant, recording, healthy=600), "flow1", 700.0, -8.0)
+    data = plant.model_dump()
+    data["channels"] = [channel for channel in data["channels"] if not channel["name"].startswith("flow")]
+    diagnosis = diagnosed(Plant.model_validate(data), recording, healthy=600)
     assert [m.target for m in diagnosis.missing] == ["h1"]
     assert diagnosis.missing[0].size == pytest.approx(-8.0 / 154, rel=0.05)
 
@@ -218,6 +221,21 @@ def test_a_wrong_parameter_is_fitted_before_faults_are_judged() -> None:
     (loss,) = [p for p in report["parameters"] if p["name"] == "UA"]
     assert loss["before"] == pytest.approx(0.0105) and abs(loss["value"] - 0.01) < 3 * loss["std"] < 0.0005
     assert fitted.parameters[0].value == loss["value"]
+
+
+def test_the_promised_rate_of_false_alarms_holds() -> None:
+    """Of 12 healthy records no more have an alarm than the promised rate allows; a longer stretch promises less."""
+    answers = [diagnose_recording(TANK, tank(seed=seed), _often(100.0)) for seed in range(12)]
+    rates = [answer.promised_false_alarms or 0.0 for answer in answers]
+    allowed = sum(1 - np.exp(-rate * answer.duration / 3600) for rate, answer in zip(rates, answers, strict=True))
+    assert sum(bool(answer.decisions) for answer in answers) <= allowed
+    assert any(note.code == "record.note.promised" for note in answers[0].notes)
+    longer = diagnose_recording(TANK, tank(), _often(400.0)).promised_false_alarms
+    assert longer is not None and rates[0] > longer > 4.0
+
+
+def _often(healthy: float) -> RecordSettings:
+    return RecordSettings(healthy=Stretch(begin=0.0, end=healthy), fit="never", false_alarms=4.0)
 
 
 def test_intervals_hold_the_truth() -> None:

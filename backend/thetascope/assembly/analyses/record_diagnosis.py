@@ -29,6 +29,7 @@ from thetascope_schemas.experiment.measurement import RecordSettings as Settings
 from thetascope_schemas.service.record_diagnosis import RecordDiagnosis, RecordFit
 
 FEWEST_ROWS = 100  # of a record
+_MORE = 1.5  # times the accepted rate: a larger promised one is mentioned
 _STRONG = 4.0  # times the threshold: a fault that the healthy stretch does not cover counts only above it
 
 
@@ -129,6 +130,7 @@ def _report(plant: Plant, answer: RecordAnswer) -> dict:
         "decisions": [_decision(plant, answer, d) for d in answer.decisions],
         "threshold": answer.threshold or None,
         "false_alarms": answer.rate,
+        "promised_false_alarms": answer.promised or None,
         "rows": len(answer.rows.t),
         "duration": float(answer.rows.t[-1] - answer.rows.t[0]),
         "statistic": statistic(answer),
@@ -331,6 +333,9 @@ def _decision(plant: Plant, answer: RecordAnswer, decision) -> dict:
 def _notes(answer: RecordAnswer) -> list[Message]:
     """Return assumptions and limitations."""
     notes = []
+    if answer.promised > _MORE * answer.rate:
+        begin, end = answer.healthy
+        notes.append(Message("record.note.promised", rate=answer.promised, asked=answer.rate, n=end - begin))
     if not answer.given and answer.fits:
         end = float(answer.rows.t[min(answer.healthy[1] - answer.healthy[0], len(answer.rows.t)) - 1])
         notes.append(Message("record.note.found-stretch", end=end))

@@ -68,7 +68,8 @@ class RecordAnswer:
         check: does the model fit? `before`: the same with the parameters as they were, if they were fitted.
         noise: with which the rest was judged.
         parameters: the fit of parameters, if there was one; `suspects`: what each alone would explain.
-        threshold: of the statistic, 0 if it was not needed; `rate`: accepted false alarms per hour.
+        threshold: of the statistic, 0 if it was not needed; `rate`: accepted false alarms per hour;
+            `promised`: the rate that can be promised with noise estimated from this healthy stretch, 0 likewise.
         faults: findings, in the order of their onsets; `decisions`: how they came about.
         smallest: (channels,), the smallest step that would have been found in the healthy stretch; ∞ for none.
         statistic: (rows,), the largest one of each row, under the faults known by then; empty if it does not fit.
@@ -87,6 +88,7 @@ class RecordAnswer:
     suspects: tuple[SuspectedParameter, ...] = ()
     threshold: float = 0.0
     rate: float = 0.0
+    promised: float = 0.0
     faults: tuple[RecordFault, ...] = ()
     decisions: tuple[Decision, ...] = ()
     smallest: np.ndarray = field(default_factory=lambda: np.zeros(0))
@@ -253,7 +255,9 @@ def _followed(
     faults = final_faults(follower)
     later = _later(follower, len(state.part.t), len(faults), settings.healthy is not None)
     smallest = state.smallest * np.sqrt(threshold / _USUAL)
-    answer = replace(answer, noise=noise, threshold=threshold, smallest=smallest)
+    fewest = int(np.isfinite(state.part.y).sum(axis=0).min())
+    promised = max(thresholds.promised_rate(crossing, threshold, fewest), settings.false_alarms)
+    answer = replace(answer, noise=noise, threshold=threshold, promised=promised, smallest=smallest)
     if later is not None:
         return replace(answer, check=replace(state.check, findings=(*state.check.findings, later)))
     return replace(answer, faults=faults, decisions=tuple(follower.decisions), statistic=follower.statistic)
