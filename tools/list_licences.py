@@ -1,8 +1,10 @@
 """Write docs/dependencies.md, the licences of all installed dependencies: `python -m tools.list_licences`.
 
-Names and versions come from requirements.txt, licences from the metadata of the installed packages.
+Names and versions come from requirements.txt, licences from the metadata of the installed packages; those of the
+packages from npm, from which the page's editor is made, from package-lock.json.
 """
 
+import json
 import re
 import sys
 from importlib.metadata import PackageNotFoundError, metadata
@@ -32,8 +34,20 @@ def licence(package: str) -> str:
         name.removeprefix(_CLASSIFIER) for name in data.get_all("Classifier", []) if name.startswith(_CLASSIFIER)
     ]
     own = data.get("License") or ""
+    if "Permission is hereby granted, free of charge" in own:  # the whole text, which has no name
+        return "MIT License"
     short = own if 0 < len(own) <= _LONGEST and "\n" not in own else ""
     return data.get("License-Expression") or ", ".join(classified) or short or "not stated"
+
+
+def bundled() -> dict[str, tuple[str, str]]:
+    """Return version and licence of the packages from npm that are part of the page, by name."""
+    packages = json.loads((ROOT / "package-lock.json").read_text(encoding="utf-8"))["packages"]
+    return {
+        path.removeprefix("node_modules/"): (entry["version"], entry["license"])
+        for path, entry in sorted(packages.items())
+        if path and not entry.get("dev") and not entry.get("optional") and not path.endswith("/esbuild")
+    }
 
 
 def page() -> str:
@@ -49,7 +63,9 @@ def page() -> str:
         "| package | version | licence |",
         "|---|---|---|",
     ]
-    return "\n".join([*head, *rows]) + "\n"
+    npm = ["", "From npm, in the workshop's editor:", "", *head[-2:]]
+    npm += [f"| {name} | {version} | {licence} |" for name, (version, licence) in bundled().items()]
+    return "\n".join([*head, *rows, *npm]) + "\n"
 
 
 if __name__ == "__main__":

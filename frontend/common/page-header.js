@@ -8,9 +8,9 @@ const ICON = 'M8 2.500a5.500 5.500 0 0 1 0 11z';
 
 const PAGES = [
   ['live', '/'],
-  ['runs', '/runs/'],
-  ['plants', '/plants/'],
+  ['workshop', '/workshop/'],
   ['records', '/records/'],
+  ['runs', '/runs/'],
 ];
 
 /**

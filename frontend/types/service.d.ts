@@ -622,6 +622,13 @@ export interface DropoutFaultInput {
   sample_time?: number;
 }
 
+/** A plant's text after a change. */
+export interface EditedText {
+  text: string;
+  /** Numbers of the lines that are new, from 1. */
+  lines: (number)[];
+}
+
 /** A fault channel in the equations of a plant. */
 export interface EquationChannel {
   name: string;
@@ -1619,6 +1626,11 @@ export interface ObserverNow {
   diverged: ObserverLost | null;
 }
 
+/** All kinds of observers, the best for a plant first. */
+export interface ObserverRanking {
+  observers: (RankedObserver)[];
+}
+
 /** The results of one observer. */
 export interface ObserverSummary {
   label: string;
@@ -1903,6 +1915,24 @@ export interface PlantList {
   plants: (PlantLine)[];
 }
 
+/** Simulations of a plant without noise: healthy, and with a fault of usual size in each channel from `onset` on. */
+export interface PlantPreview {
+  /** Times in s. */
+  t: (number)[];
+  /** Time in s at which the faults begin. */
+  onset: number;
+  /** Inputs without faults, by name. */
+  inputs: {[name: string]: (number)[]};
+  /** Outputs without faults, by name. */
+  outputs: {[name: string]: (number)[]};
+  /** Outputs with the fault of a channel, by channel and output; a list ends where the plant diverges. */
+  faulty: {[name: string]: {[name: string]: (number)[]}};
+  /** Size of the fault, by channel. */
+  sizes: {[name: string]: number};
+  /** Row i, column j: seconds until fault i is told from fault j, on the diagonal until it is found, for the best test that knows the onset; null: not within the experiment. */
+  seconds: ((number | null)[])[];
+}
+
 /** Dimensions of a plant. */
 export interface PlantSizes {
   states: number;
@@ -1925,6 +1955,23 @@ export interface PlantTextCheck {
   plant: Plant | null;
   sizes: PlantSizes | null;
   equations: PlantEquations | null;
+}
+
+/** An experiment that suits a plant, without observers, and its preview. */
+export interface PlantTrial {
+  experiment: Experiment;
+  preview: PlantPreview;
+}
+
+/** A plant, and values that differ from its own. */
+export interface PlantTrialRequest {
+  plant: string | PlantInput;
+  /** Parameters that differ. */
+  parameters?: {[name: string]: number};
+  /** Initial states that differ. */
+  initial?: {[name: string]: number};
+  /** Inputs; default: square waves. */
+  inputs?: {[name: string]: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput};
 }
 
 /** Start or resume the clock. */
@@ -2247,6 +2294,19 @@ export interface RandomWalkFaultInput {
   intensity: number;
   /** Time in s between increments. */
   sample_time?: number;
+}
+
+/** A kind of observer for a plant, and how well it estimates the plant's faults. */
+export interface RankedObserver {
+  kind: string;
+  /** Whether it can be built for the plant. */
+  possible: boolean;
+  /** Root mean square error in faults of usual size; null: it was not run. */
+  error: number | null;
+  /** Whether none of its assumptions failed in the run. */
+  holds: boolean;
+  /** The reason for its rank. */
+  why: Text;
 }
 
 /** Whether the service accepts work; status 503 if it does not. */
@@ -3379,6 +3439,23 @@ export interface Text {
   args: {[name: string]: JsonValue};
   /** The sentence in the requested language. */
   text: string;
+}
+
+/** Changes of a plant's text: numbers by path, further items of lists, further equations; and its format. */
+export interface TextEdit {
+  text: string;
+  /** New values by path. */
+  values?: {[name: string]: number};
+  /** States to add. */
+  states?: (StateInput)[];
+  /** Parameters to add. */
+  parameters?: (ParameterInput)[];
+  /** Fault channels to add. */
+  channels?: (ChannelInput)[];
+  /** Equations to add to `dynamics`, by state. */
+  equations?: {[name: string]: string};
+  /** YAML or JSON; null: the format stays. */
+  format?: 'yaml' | 'json' | null;
 }
 
 /** An error or a warning, and its place in the text. */

@@ -79,7 +79,7 @@ def test_every_address_is_closed_without_the_key(shared):
     routes |= {
         (path, "GET") for path in ("/docs", "/redoc", "/openapi.json", "/assets/plotly.min.js", "/assets/docs.js")
     }
-    files = {(path, "GET") for path in ("/", "/runs/", "/plants/", "/icon.svg", "/common/api.js", "/no-file")}
+    files = {(path, "GET") for path in ("/", "/runs/", "/workshop/", "/icon.svg", "/common/api.js", "/no-file")}
     strange = {(path, "GET") for path in ("//api/runs", "/api/../api/runs", "/api/health/live/", "/%61pi/runs", "/API")}
     assert len(routes) > 30
     passed = {

@@ -40,7 +40,7 @@ def test_the_documentation_loads_only_files_of_this_service(client, page):
     assert not re.search(r"<script[^>]*>[^<]", html)
 
 
-@pytest.mark.parametrize("page", ["/", "/runs/", "/records/", "/plants/"])
+@pytest.mark.parametrize("page", ["/", "/runs/", "/records/", "/workshop/"])
 def test_a_document_is_revalidated_and_its_files_are_kept(client, page):
     """Scripts and styles have versioned addresses, immutable for a year; the document and plain addresses do not."""
     _, headers, html = client.request("GET", page)

@@ -164,17 +164,3 @@ def test_axe_finds_nothing_serious_on_the_page_of_records(kept_page, tmp_path):
     page.evaluate("for (const one of document.querySelectorAll('details')) one.open = true")
     look("findings")
     assert {name: what for name, what in found.items() if what} == {}
-
-
-def test_axe_finds_nothing_serious_on_the_page_of_plants(page):
-    """All plants unfolded at 390 pixels, in narrow and wide fonts: equations that scroll can be focused."""
-    shown = page("/plants/", width=390, height=844)
-    shown.wait_for_selector(".plant-card")
-    shown.evaluate("for (const one of document.querySelectorAll('.plant-card')) one.open = true")
-    shown.wait_for_selector(".plant-card:last-of-type math")
-    shown.evaluate(AXE)
-    found = {}
-    for font in FONTS:
-        shown.evaluate(SET_FONT, font)
-        found[font] = serious(shown, *([SCROLLS] if font else []))
-    assert {name: what for name, what in found.items() if what} == {}

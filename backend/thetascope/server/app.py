@@ -35,7 +35,7 @@ from thetascope.api.routes import (
     runs,
     sessions,
 )
-from thetascope.api.routes.models import equations, gain_defaults
+from thetascope.api.routes.models import equations, gain_defaults, plant_trial
 from thetascope.api.sign_in.require_key import RequireKey
 from thetascope.engine.compiler import cache
 from thetascope.server import connections, prewarm
@@ -110,6 +110,7 @@ def _api() -> APIRouter:
         health,
         catalogue,
         plants,
+        plant_trial,
         equations,
         gain_defaults,
         lessons,

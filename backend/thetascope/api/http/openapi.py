@@ -10,6 +10,8 @@ from thetascope.api.http.request_bodies import EquationsRequest, ForkRequest, Se
 from thetascope.runs.specs.run_requests import RunRequest
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
+from thetascope_schemas.service.plants.text import TextEdit
+from thetascope_schemas.service.plants.trial import PlantTrialRequest
 from thetascope_schemas.service.record import Record, RecordRunRequest
 from thetascope_schemas.service.record_diagnosis import RecordDiagnosisRequest
 from thetascope_schemas.service.record_inspection import MappingRequest
@@ -31,6 +33,8 @@ _NO_KEY = ("/api/health/live",)
 BODIES = (
     Experiment,
     Plant,
+    PlantTrialRequest,
+    TextEdit,
     Record,
     MappingRequest,
     RecordDiagnosisRequest,

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from fastapi import APIRouter, FastAPI, Request
 from starlette.exceptions import HTTPException
-from starlette.responses import Response
+from starlette.responses import RedirectResponse, Response
 
 from thetascope.api.http.page_files import FRONTEND, Frontend
 
@@ -57,6 +57,13 @@ async def redoc() -> Response:
 async def docs_script() -> Response:
     """Return the script that starts Swagger UI, as a file since the content policy forbids inline scripts."""
     return Response(DOCS_SCRIPT, media_type="text/javascript; charset=utf-8")
+
+
+@router.get("/plants")
+@router.get("/plants/")
+async def plants_page() -> Response:
+    """Send the address that the page of plants had to the workshop."""
+    return RedirectResponse("/workshop/", 308)
 
 
 @router.get("/assets/{name}")

@@ -9,18 +9,22 @@ from starlette.responses import Response
 from thetascope.access.principal import Principal, principal_of
 from thetascope.api.http.answers import json_response
 from thetascope.api.http.computed import computed
-from thetascope.api.http.language import Language
+from thetascope.api.http.language import Language, Prose
 from thetascope.api.http.problems import documented
-from thetascope.api.http.read_body import read_bytes
+from thetascope.api.http.read_body import body_schema, parsed, read_bytes
 from thetascope.api.http.services import Services, Use
 from thetascope.api.operation.request_log import audit
 from thetascope.messages import Message
+from thetascope.runs.plants.plant_text import plant_data, yaml_text
 from thetascope.runs.plants.text_check import check_text
-from thetascope.runs.specs.refusals import Busy, OverLimit, invalid
+from thetascope.runs.plants.text_edit import Edited, converted, edited
+from thetascope.runs.specs.refusals import Busy, OverLimit, invalid, validated
+from thetascope.runs.specs.resolve_spec import plant_of
+from thetascope.runs.specs.spec_files import DocumentError
 from thetascope.runs.workers.limits import Crashed, LimitReached
 from thetascope.store import PlantVersion
 from thetascope_schemas.service.plants.saved import MyPlant, MyPlantList
-from thetascope_schemas.service.plants.text import PlantTextCheck
+from thetascope_schemas.service.plants.text import EditedText, PlantTextCheck, TextEdit
 
 router = APIRouter(tags=["plants"])
 
@@ -39,6 +43,33 @@ async def check_plant_text(request: Request, services: Use, language: Language) 
     """
     checked = await computed(request, services, check_text, await _text(request, services), language)
     return Response(checked.model_dump_json(context={"language": language}), media_type="application/json")
+
+
+@router.post(
+    "/plants/edit-text",
+    response_model=EditedText,
+    openapi_extra=body_schema("TextEdit"),
+    responses=documented(413, 415, 422),
+)
+async def edit_plant_text(request: Request, services: Use) -> Response:
+    """Change a plant's text without touching the rest: numbers, further items of lists, equations; or convert it."""
+
+    def work(data: Any) -> Edited:
+        asked = validated(TextEdit, data)
+        try:
+            changed = edited(asked.text, asked.values, asked.items_by_list(), asked.equations)
+            return changed if asked.format is None else Edited(converted(changed.text, asked.format), changed.lines)
+        except DocumentError as error:
+            raise invalid("text", None, error.problem, error.remedy) from None
+
+    changed = await parsed(request, services.settings.max_body, work)
+    return json_response({"text": changed.text, "lines": changed.lines})
+
+
+@router.get("/plants/{id}/text", response_model=EditedText, responses=documented(404))
+def get_plant_text(id: str, language: Prose) -> Response:
+    """Return a plant of the library as YAML for an editor, its prose in one language."""
+    return json_response({"text": yaml_text(plant_data(plant_of(id), language)), "lines": []})
 
 
 @router.get("/my-plants", response_model=MyPlantList)

@@ -56,11 +56,17 @@ def _observability(found: Structure, language: str) -> dict:
 
 
 def _possible(kind: str, plant: Plant, language: str) -> dict:
+    why = obstacle(kind, plant)
+    title = text_of(observer(kind).title, language)
+    return {"kind": kind, "title": title, "possible": why is None, "why": "" if why is None else why.text(language)}
+
+
+def obstacle(kind: str, plant: Plant) -> Message | None:
+    """Return why an observer cannot be built for a plant with its default gains; None if it can."""
     from thetascope.assembly.build.healthy import healthy_run_of
     from thetascope.assembly.build.observer_builder import estimator
     from thetascope_schemas import ObserverConfig, ResolvedExperiment
 
-    title = text_of(observer(kind).title, language)
     config = ObserverConfig(label="observer", kind=kind)
     step = plant.time.period if plant.time.kind == "discrete" else 0.001
     spec = ResolvedExperiment(plant=plant, horizon=1000 * step, step=step, observers=(config,))
@@ -68,6 +74,5 @@ def _possible(kind: str, plant: Plant, language: str) -> dict:
     try:
         estimator(0, config, spec, data, step, healthy_run_of(spec, data))
     except SpecError as error:
-        why = Message("refusal.sentence", problem=error.problem, remedy=error.remedy).text(language)
-        return {"kind": kind, "title": title, "possible": False, "why": why}
-    return {"kind": kind, "title": title, "possible": True, "why": ""}
+        return Message("refusal.sentence", problem=error.problem, remedy=error.remedy)
+    return None

@@ -54,28 +54,22 @@ def json_text(data: dict[str, Any]) -> str:
 
 def _part(name: str, value: Any) -> str:
     if not isinstance(value, list) or not value or not all(isinstance(item, dict) for item in value):
-        flow = isinstance(value, dict) and name == "time"
-        return f"{_flow({name: value})[1:-1]}\n" if flow else _block({name: value})
-    if name in _BLOCKS:
-        return f"{name}:\n" + "".join(_item(item) for item in value)
-    return f"{name}:\n" + "".join(
-        f"  - {line}\n" if len(line := _flow(item)) <= 4 * _WIDTH else _item(item) for item in value
-    )
+        on_one_line = isinstance(value, dict) and name == "time"
+        return f"{flow({name: value})[1:-1]}\n" if on_one_line else _block({name: value})
+    lines = [block_item(item) if name in _BLOCKS else f"  - {flow(item)}\n" for item in value]
+    return f"{name}:\n" + "".join(lines)
 
 
-def _item(item: dict[str, Any]) -> str:
+def block_item(item: dict[str, Any], indent: int = 2) -> str:
     """Return an item of a list with a line for each field; maps and lists within are on one line."""
-    lines = [f"{_scalar(name)}: {_flow(value)}" for name, value in item.items()]
-    return "  - " + "\n    ".join(lines) + "\n"
+    lines = [f"{flow(name)}: {flow(value)}" for name, value in item.items()]
+    return " " * indent + "- " + f"\n{' ' * (indent + 2)}".join(lines) + "\n"
 
 
-def _flow(value: Any) -> str:
+def flow(value: Any) -> str:
+    """Return a value as YAML on one line."""
     text = yaml.dump(value, Dumper=_Dumper, default_flow_style=True, width=1e9, allow_unicode=True, sort_keys=False)
     return text.removesuffix("...\n").strip()
-
-
-def _scalar(name: str) -> str:
-    return _flow(name)
 
 
 def _block(value: dict[str, Any]) -> str:

@@ -97,7 +97,7 @@ export function mount(element, app) {
 }
 
 /** @param {Plant} plant @param {App} app */
-function drawPlant(plant, app) {
+export function drawPlant(plant, app) {
   const place = layout(plant);
   const short = badges(plant.channels);
   /** @type {Map<string, Drawn>} */

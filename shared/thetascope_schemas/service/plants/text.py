@@ -1,11 +1,19 @@
 """The check of a plant's text: where each error is, and the change that corrects it."""
 
-from typing import Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from thetascope_schemas.experiment.base import Strict, example
-from thetascope_schemas.experiment.plant import Plant
+from thetascope_schemas.experiment.base import (
+    MAX_CHANNELS,
+    MAX_STATES,
+    ExpressionText,
+    Number,
+    Reference,
+    Strict,
+    example,
+)
+from thetascope_schemas.experiment.plant import Channel, Parameter, Plant, State
 from thetascope_schemas.service.answers import PlantEquations, PlantSizes
 from thetascope_schemas.service.field_error import FieldError
 
@@ -75,3 +83,39 @@ class PlantTextCheck(Strict):
     plant: Plant | None = Field(description="The plant in full; null unless it is valid.")
     sizes: PlantSizes | None
     equations: PlantEquations | None
+
+
+class TextEdit(Strict):
+    """Changes of a plant's text: numbers by path, further items of lists, further equations; and its format."""
+
+    model_config = example(
+        text="id: tank",
+        values={"parameters[0].value": 155},
+        channels=[{"name": "leak", "kind": "process", "enters": {"h": "-1"}}],
+    )
+
+    text: Annotated[str, Field(max_length=1_000_000)]
+    values: dict[str, Number] = Field(default_factory=dict, max_length=400, description="New values by path.")
+    states: tuple[State, ...] = Field(default=(), max_length=MAX_STATES, description="States to add.")
+    parameters: tuple[Parameter, ...] = Field(default=(), max_length=200, description="Parameters to add.")
+    channels: tuple[Channel, ...] = Field(default=(), max_length=MAX_CHANNELS, description="Fault channels to add.")
+    equations: dict[Reference, ExpressionText] = Field(
+        default_factory=dict, max_length=MAX_STATES, description="Equations to add to `dynamics`, by state."
+    )
+    format: TextFormat | None = Field(default=None, description="YAML or JSON; null: the format stays.")
+
+    def items_by_list(self) -> dict[str, list[dict[str, Any]]]:
+        """Return the items to add as data without empty fields, by list."""
+        lists = {"states": self.states, "parameters": self.parameters, "channels": self.channels}
+        return {
+            name: [item.model_dump(mode="json", exclude_unset=True) for item in items] for name, items in lists.items()
+        }
+
+
+class EditedText(Strict):
+    """A plant's text after a change."""
+
+    model_config = example(text="id: tank", lines=[1])
+
+    text: str
+    lines: tuple[int, ...] = Field(description="Numbers of the lines that are new, from 1.")
