@@ -57,11 +57,12 @@ def test_an_error_is_shown_where_it_is_and_corrected_with_one_click(shop):
 
 def test_a_saved_plant_is_found_again_and_its_deletion_undone(shop):
     """Each save is a version; another load of the page shows the plant; a deleted one comes back."""
-    paste(shop, TANK.replace("id: leaky-tank", "id: shop-tank"))
+    mine = TANK.replace("id: leaky-tank", "id: shop-tank").replace("title: Tank with a pump", "title: Mine")
+    paste(shop, mine)
     until(shop, READY)
     shop.keyboard.press("Control+s")
     until(shop, "document.querySelector('.shop-bar .sub').textContent.includes('version 1')")
-    paste(shop, TANK.replace("id: leaky-tank", "id: shop-tank") + "# changed\n")
+    paste(shop, mine + "# changed\n")
     shop.click("#save-plant")
     until(shop, "document.querySelector('.mine .on .sub')?.textContent.includes('version 2')")
     shop.goto(shop.url)
@@ -103,7 +104,7 @@ def test_without_the_bundle_a_plain_field_has_the_same_checks(page, context):
 
 def test_the_workshop_is_chinese_and_accessible_on_a_phone(page):
     """No visible sentence is English, axe finds nothing serious, and nothing is wider than the screen."""
-    opened = chinese(page, "/workshop/", width=390, height=844)
+    opened = chinese(page, "/workshop/?library=level-loop", width=390, height=844)
     until(opened, READY + " && document.querySelector('.ranked')")
     opened.evaluate("for (const one of document.querySelectorAll('details')) one.open = true")
     assert english(opened) == set()
