@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import polars
 import pytest
 import yaml
 
@@ -115,3 +116,20 @@ def test_a_trial_counts_false_and_correct_alarms(call):
     assert code == 0 and lines["detector"][1:3] == ["0", "(0"] and lines["detector"][7] == "5"
     assert any(name.startswith("ekf: 3σ band of its values") for name in lines)
     assert call("trial", "friction-motor", "--seeds", "0")[0] == 2
+
+
+def test_observers_run_on_a_record_and_are_written(call):
+    """The files hold the estimates of the observers; the report names the fault and the command that repeats it."""
+    write(recorded(call, "friction-motor", "--set", "seed=5"))
+    files = ("--out", "found.html", "--out", "found.csv", "--out", "found.parquet")
+    code, _, _ = call("diagnose", "friction-motor", "rec.csv", "--observer", "joint-ekf", *files)
+    report = Path("found.html").read_text(encoding="utf-8")
+    assert code == 0 and "added friction" in report and "--observer joint-ekf" in report
+    with open("found.csv", newline="") as file:
+        head, *rows = csv.reader(file)
+    table = polars.read_parquet("found.parquet")
+    assert table.columns == head and len(rows) == len(table) and "x.speed" not in head
+    last = float(rows[-1][head.index("joint-ekf.theta.friction")])
+    assert table["joint-ekf.theta.friction"][-1] == last and abs(last - 9) < 1.5
+    code, _, error = call("diagnose", "friction-motor", "rec.csv", "--observer", "joint-efk")
+    assert code != 0 and "joint-ekf" in error

@@ -1,21 +1,30 @@
 """`thetascope diagnose` and `thetascope fit`: find the faults in a record of a plant, and fit the plant to it."""
 
 import argparse
+import shlex
 import sys
 
 import yaml
 
+from thetascope.assembly import RecordBytes, carry_out, prepare, record_experiment, with_rows
 from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, fitted_plant
 from thetascope.assembly.analyses.record_inspection import recording_in
 from thetascope.cli.inspect_command import assumed, inspected_record, mapping_of_options
+from thetascope.cli.run_command import write
 from thetascope.cli.terminal import number, table
 from thetascope.cli.words import Words
 from thetascope.diagnosis.recording import Recording
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
+from thetascope.runs.jobs.job import Job
+from thetascope.runs.jobs.worker import completed
+from thetascope.runs.results.summary import summarise
 from thetascope.runs.specs.plant_files import plant_named
 from thetascope.runs.specs.refusals import from_engine, invalid, validated
+from thetascope.runs.specs.resolve_spec import resolved
 from thetascope.settings import load
+from thetascope.store import record_id
+from thetascope_schemas import ObserverConfig
 from thetascope_schemas.experiment.measurement import RecordSettings
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.record_diagnosis import FitReport, Interval, RecordDiagnosis, RecordFault, VisibleFault
@@ -36,8 +45,30 @@ def diagnose_command(options: argparse.Namespace, say: Words) -> int:
         raise from_engine(error) from None
     if options.json is not None:
         options.json.write_text(diagnosis.model_dump_json(indent=1), encoding="utf-8")
+    if options.observer or options.out:
+        _write_run(options, plant, settings, diagnosis, say)
     print(text(diagnosis, say))
     return 0 if diagnosis.fit.verdict != "does-not-fit" else 1
+
+
+def _write_run(
+    options: argparse.Namespace, plant: Plant, settings: RecordSettings, diagnosis: RecordDiagnosis, say: Words
+) -> None:
+    """Run observers on the record, and write the run to the files of the options."""
+    data = options.data.read_bytes()
+    file, id = RecordBytes(options.data.name, data, diagnosis), record_id(data)
+    observers = [validated(ObserverConfig, {"label": kind, "kind": kind}) for kind in options.observer]
+    try:
+        spec, _ = record_experiment(id, file, plant, mapping_of_options(options), settings, observers)
+        whole = with_rows(resolved(spec).with_readings(file))
+        result = carry_out(prepare(whole))
+    except SpecError as error:
+        raise from_engine(error) from None
+    finished = completed(Job(whole.spec_hash(), spec), result, summarise(result, whole))
+    for path in options.out:
+        kinds = [part for kind in options.observer for part in ("--observer", kind)]
+        command = ["thetascope", "diagnose", options.plant, options.data.name, *kinds, "--out", path.name]
+        write(finished, path, shlex.join(command), say.language)
 
 
 def fit_command(options: argparse.Namespace, say: Words) -> int:

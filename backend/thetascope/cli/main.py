@@ -122,6 +122,11 @@ def _judging(commands: Any, say: Words) -> None:
     diagnose.add_argument("--false-alarms", type=float, metavar="RATE", help=say("cli.help.false-alarms"))
     diagnose.add_argument("--fit", metavar="auto|never|NAMES", help=say("cli.help.fit"))
     diagnose.add_argument("--json", type=Path, metavar="FILE", help=say("cli.help.json"))
+    observer = say("cli.help.observer")
+    diagnose.add_argument("--observer", action="append", default=[], metavar="KIND", help=observer)
+    outputs = say("cli.help.out", formats=" ".join(FORMATS))
+    checked = _checked(_output, say)
+    diagnose.add_argument("--out", action="append", default=[], type=checked, metavar="FILE", help=outputs)
     add_mapping_options(diagnose, say)
     diagnose.set_defaults(command=_diagnose)
 

@@ -45,8 +45,13 @@ def diagnose_columns(
     mapping: ColumnMapping | None = None,
 ) -> RecordDiagnosis:
     """Return the diagnosis of columns by name, read as those of a file; raises as `diagnose_file`."""
-    data = orjson.dumps({name: np.asarray(c).tolist() for name, c in columns.items()})
-    return diagnose_file("record.json", data, plant, mapping or ColumnMapping(), settings or Settings())
+    data, changes = columns_as_json(columns), mapping or ColumnMapping()
+    return diagnose_file("record.json", data, plant, changes, settings or Settings())
+
+
+def columns_as_json(columns: Mapping[str, np.ndarray | list]) -> bytes:
+    """Return columns by name as the content of a JSON file."""
+    return orjson.dumps({name: np.asarray(c).tolist() for name, c in columns.items()})
 
 
 def fit_file(name: str, data: bytes, plant: Plant, mapping: ColumnMapping, settings: Settings) -> RecordFit:

@@ -56,6 +56,34 @@ const cell = (key, ...content) =>
 export const titleOf = ({channel, title}, plant) =>
   named(plant.channels.find((one) => one.name === channel)?.title) || say(title) || channel;
 
+/**
+ * A sentence about faults with the titles of their channels in the page's language: the service writes them in English.
+ * @template T
+ * @param {T} message   or a part of one
+ * @param {readonly service.RecordFault[]} faults
+ * @param {Plant} plant
+ * @returns {T}
+ */
+export function withTitles(message, faults, plant) {
+  const titles = new Map(
+    faults
+      .flatMap(({best, alternatives}) => [best, ...alternatives])
+      .filter(({channel, title}) => channel && !title.code)
+      .map((one) => [one.title.text, titleOf(one, plant)]),
+  );
+  /** @param {unknown} part @returns {unknown} */
+  const within = (part) => {
+    if (Array.isArray(part)) return part.map(within);
+    if (part === null || typeof part !== 'object') return part;
+    const entries = Object.entries(part).map(([key, value]) => [
+      key,
+      key === 'title' && typeof value === 'string' ? (titles.get(value) ?? value) : within(value),
+    ]);
+    return Object.fromEntries(entries);
+  };
+  return /** @type {T} */ (within(message));
+}
+
 /** @param {service.RecordFault} fault @param {ReturnType<typeof badges>} short @param {Plant} plant */
 function row({id, best, alternatives, alarm, ended, note}, short, plant) {
   const others = alternatives.map((one) => alternative(one, plant));

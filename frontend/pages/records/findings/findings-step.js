@@ -9,7 +9,7 @@ import {badge, chip, heading} from '../../../widgets/controls.js';
 import {span} from '../numbers.js';
 import {picture} from '../picture/picture.js';
 import {gapsOf, lengthOf, stripsOf} from '../read/read-step.js';
-import {faultTable, titleOf} from './fault-table.js';
+import {faultTable, titleOf, withTitles} from './fault-table.js';
 import {estimateStrips, innovationStrips, residualStrips, shownObservers, withEstimates} from './observer-strips.js';
 import {observersCard} from './observers-card.js';
 import {runCard} from './run-card.js';
@@ -37,7 +37,7 @@ export function findingsStep(state, act) {
       h(
         'section',
         {class: 'card verdict-card', role: 'status'},
-        h('p', {class: 'verdict'}, sentence(diagnosis.sentence)),
+        h('p', {class: 'verdict'}, sentence(withTitles(diagnosis.sentence, diagnosis.faults, plant))),
         faultTable(diagnosis.faults, plant),
         h('p', {class: 'soft'}, quiet(diagnosis, inspection ? lengthOf(inspection) : diagnosis.duration)),
       ),
