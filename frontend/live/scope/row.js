@@ -4,6 +4,7 @@ import {context, fill, h, symbol} from '../../common/dom.js';
 import {badges, brief, plain, split, symbolic} from '../../common/names.js';
 import {Range} from './axes.js';
 import {openFigure} from './figure.js';
+import {explain} from '../../widgets/explain.js';
 import {t} from '../../i18n/words.js';
 
 /** @import {App, Place, Plant, Row, Strip} from '../types.js' */
@@ -36,12 +37,9 @@ export function label(row, app) {
   open.setAttribute('aria-label', t('page.scope.open-figure-of', {strip: words}));
   row.all.dataset.name = words;
   labelAll(row);
-  fill(
-    row.label,
-    h('span', {class: `sign${wordy ? ' wordy' : ''}`}, signOf(strip, app.state.plant)),
-    open,
-    h('small', {title: words + unit}, words),
-  );
+  const sign = h('span', {class: `sign${wordy ? ' wordy' : ''}`, role: 'term'}, signOf(strip, app.state.plant));
+  explain(sign, () => t(`page.explain.${strip.kind}`, {strip: words}));
+  fill(row.label, sign, open, h('small', {title: words + unit}, words));
   row.element.style.setProperty('--weight', String(strip.weight));
   row.element.dataset.kind = strip.kind;
   row.element.dataset.strip = strip.name;

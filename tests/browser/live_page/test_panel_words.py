@@ -152,3 +152,38 @@ def test_other_plants_fill_the_same_panels(tab, experiment):
         " return r.left < box.left - 3 || r.right > box.right + 3; }).map((one) => one.textContent); })()"
     )
     assert outside == [] and live.watch.errors == []
+
+
+def test_symbols_explain_themselves(tab):
+    """The pointer or the focus on a strip's symbol shows its sentence within the window; Esc and leaving hide it."""
+    live = opened(tab, "/?experiment=zhao-2012&t=12")
+    shown = "#explanation:not([hidden])"
+    kinds = live.evaluate(
+        "[...new Set([...document.querySelectorAll('.strip[data-kind]')].map((e) => e.dataset.kind))]"
+    )
+    assert {"theta", "state", "residual", "excitation"} <= set(kinds)
+    for kind in kinds:
+        sign = live.locator(f"[data-kind={kind}] .sign").last
+        sign.focus()
+        words = live.inner_text(shown)
+        assert len(words) > 40 and sign.get_attribute("aria-describedby") == "explanation"
+        box = live.locator(shown).bounding_box()
+        assert box["x"] >= 0 and box["y"] >= 0 and box["y"] + box["height"] <= 900
+    live.keyboard.press("Escape")
+    assert live.locator(shown).count() == 0
+    live.locator("[data-kind=excitation] .sign").hover()
+    live.wait_for_selector(shown)
+    assert "two faults may look alike" in live.inner_text(shown)
+    live.mouse.move(5, 5)
+    live.wait_for_selector(shown, state="detached")
+
+
+def test_the_help_begins_with_the_page(tab):
+    """It tells the observer from the detector before it lists keys, and ends with a glossary."""
+    live = opened(tab, PAUSED)
+    live.keyboard.press("?")
+    live.wait_for_selector("dialog[open] .definitions")
+    text = live.inner_text("dialog[open] .dialog-body")
+    places = [text.index(words) for words in ("An observer", "The detector", "play or pause", "Residual y − ŷ")]
+    assert places == sorted(places)
+    live.keyboard.press("Escape")

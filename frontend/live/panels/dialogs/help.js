@@ -1,4 +1,4 @@
-// The keys of the page, and the meaning of the marks on the curves and on the timeline.
+// What the page is, its keys, the meaning of the marks on the curves and on the timeline, and the terms.
 
 import {fill, h} from '../../../common/dom.js';
 import {KEYS} from './keyboard.js';
@@ -43,6 +43,21 @@ const KEY_NAMES = {
   Escape: () => 'Esc',
 };
 
+/** What estimates, what decides, and what the most frequent marks say; then the other terms of the page. */
+const PARTS = ['observer', 'detector', 'amber', 'triangle', 'dashed'];
+const TERMS = [
+  ...['fault', 'channel', 'estimate', 'residual', 'band', 'excitation', 'gain', 'threshold'],
+  ...['alternatives', 'rmse', 'delay', 'model'],
+];
+
+/** @param {[term: string, meaning: string][]} entries */
+const definitions = (entries) =>
+  h(
+    'dl',
+    {class: 'definitions'},
+    entries.map(([term, meaning]) => [h('dt', {}, term), h('dd', {}, meaning)]),
+  );
+
 /** @param {HTMLElement} body */
 export function showHelp(body) {
   const rows = KEYS.map(({keys, does}) =>
@@ -59,6 +74,9 @@ export function showHelp(body) {
   );
   fill(
     body,
+    h('p', {class: 'introduction'}, t('page.help.introduction')),
+    definitions(PARTS.map((name) => [t(`page.help.part.${name}.term`), t(`page.help.part.${name}.meaning`)])),
+    h('h3', {}, t('page.help.keys')),
     h('table', {class: 'keys'}, h('tbody', {}, rows)),
     h('p', {class: 'soft'}, t('page.help.keys.note')),
     h('h3', {}, t('page.help.marks')),
@@ -73,5 +91,7 @@ export function showHelp(body) {
         ),
       ),
     ),
+    h('h3', {}, t('page.help.glossary')),
+    definitions(TERMS.map((name) => [t(`page.glossary.${name}.term`), t(`page.glossary.${name}.meaning`)])),
   );
 }
