@@ -14,6 +14,13 @@ const PAGES = [
 ];
 
 /**
+ * Links to the pages; `here` is the name of the one that is shown.
+ * @param {string} here
+ */
+export const pageLinks = (here) =>
+  PAGES.map(([name, href]) => h('a', {href, 'aria-current': name === here ? 'page' : null}, t(`page.nav.${name}`)));
+
+/**
  * The header of a page; `here` is its name among the pages. `again` rebuilds the rest of the page in another language;
  * without it the page is reloaded, where nothing is lost by that.
  * @param {HTMLElement} root
@@ -70,13 +77,7 @@ export function mountTop(root, connection, here = 'runs', again = null) {
     fill(
       root,
       h('a', {class: 'logo', href: '/'}, h('i', {class: 'hat'}, 'θ'), h('span', {}, 'Thetascope')),
-      h(
-        'nav',
-        {class: 'pages', 'aria-label': t('page.nav.label')},
-        PAGES.map(([name, href]) =>
-          h('a', {href, 'aria-current': name === here ? 'page' : null}, t(`page.nav.${name}`)),
-        ),
-      ),
+      h('nav', {class: 'pages', 'aria-label': t('page.nav.label')}, pageLinks(here)),
       h('span', {class: 'grow'}),
       state,
       h(

@@ -1,6 +1,7 @@
 // The header: name, pages, connection, share, export, language, projector, theme.
 
 import {fill, h, query} from '../../../common/dom.js';
+import {pageLinks} from '../../../common/page-header.js';
 import {times} from '../../../widgets/number-format.js';
 import {open} from '../dialogs/open-dialog.js';
 import {icon} from '../../../widgets/svg.js';
@@ -92,7 +93,7 @@ export function mount(element, app) {
     );
   };
   const label = () => {
-    fill(nav, pages('live'));
+    fill(nav, pageLinks('live'));
     fill(query('.skip'), t('page.nav.skip-to-curves'));
     fill(query('#scope > h2'), t('page.tabs.curves'));
     nav.setAttribute('aria-label', t('page.nav.label'));
@@ -139,17 +140,4 @@ export function mount(element, app) {
   );
   app.subscribe((s) => s.presentation, showPresent);
   mountTabs(app);
-}
-
-/**
- * Links to the pages; `here` is the one that is shown.
- * @param {string} here
- */
-export function pages(here) {
-  return [
-    ['live', '/'],
-    ['runs', '/runs/'],
-    ['plants', '/plants/'],
-    ['records', '/records/'],
-  ].map(([name, href]) => h('a', {href, 'aria-current': name === here ? 'page' : null}, t(`page.nav.${name}`)));
 }
