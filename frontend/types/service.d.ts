@@ -2043,6 +2043,77 @@ export interface PreviewSeries {
   high: (number | null)[];
 }
 
+/** The options of a figure for print. Curves and panels are named as in its description, format `json`. */
+export interface PrintSettings {
+  /** pdf, svg, png (600 dpi), tex (TikZ with its data), or json: the description. */
+  format?: 'pdf' | 'svg' | 'png' | 'tex' | 'json';
+  /** Width in cm. */
+  width?: number;
+  /** Height in cm; by default by the panels. */
+  height?: number | null;
+  /** times: STIX, which fits Times; sans: DejaVu Sans; serif: DejaVu Serif. */
+  font?: 'times' | 'sans' | 'serif';
+  /** Size of the type in pt. */
+  size?: number;
+  /** Line styles differ in each; grey and black do without colours. */
+  colour?: 'colour' | 'grey' | 'black';
+  legend?: 'inside' | 'above' | 'none';
+  /** First time in s. */
+  start?: number | null;
+  /** Last time in s. */
+  end?: number | null;
+  /** Keys of the curves to draw; default: all. */
+  curves?: (string)[];
+  /** Numbers of the panels to draw, the first is 1; default: all. */
+  panels?: (number)[];
+  /** Line styles as curve=style, for example adaptive=dash-dot. */
+  styles?: (string)[];
+  /** Language of the words in the figure, en or zh; default: en. */
+  lang?: string | null;
+}
+
+/** One curve that the figure can show: the same quantity of the same observer in all panels. */
+export interface PrintedCurve {
+  key: string;
+  /** Text of the legend. */
+  label: string;
+  style: 'line' | 'dashes' | 'dash-dot' | 'dots' | 'thin-grey' | 'long-dashes' | 'dash-dot-dot' | 'thick-grey' | 'grey-dashes' | 'grey-dash-dot';
+  drawn: boolean;
+}
+
+/** The description of a figure for print. */
+export interface PrintedFigure {
+  title: string;
+  /** A caption with the id of the run. */
+  caption: string;
+  /** The command that draws the figure again. */
+  command: string;
+  filename: string;
+  /** Width in cm. */
+  width: number;
+  /** Height in cm. */
+  height: number;
+  curves: (PrintedCurve)[];
+  panels: (PrintedPanel)[];
+  /** All line styles. */
+  styles: ('line' | 'dashes' | 'dash-dot' | 'dots' | 'thin-grey' | 'long-dashes' | 'dash-dot-dot' | 'thick-grey' | 'grey-dashes' | 'grey-dash-dot')[];
+  /** Size of the type in pt. */
+  type_size: number;
+  /** Width of the thinnest line in pt. */
+  thinnest: number;
+  /** Whether all curves differ without colour. */
+  apart: boolean;
+  /** First and last time of the run in s. */
+  span: [number, number];
+}
+
+/** One panel that the figure can show. */
+export interface PrintedPanel {
+  number: number;
+  label: string;
+  drawn: boolean;
+}
+
 /** A refusal or failure as application/problem+json (RFC 9457), with its sentences in the requested language. */
 export interface Problem {
   /** URI reference of the problem type. */

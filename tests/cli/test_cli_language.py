@@ -49,7 +49,7 @@ def test_help_is_chinese(call, command):
         (["run", "shen-hu-2015", "--set", "horizn=1"], 1, "没有字段“horizn”"),
         (["run", "shen-hu-2015", "--set", "horizon=-1"], 1, "请给大于 0 的值"),
         (["run", "nothing.yaml"], 1, "无法读取"),
-        (["run", "shen-hu-2015", "--out", "a.txt"], 2, ".csv、.json、.mat或.html"),
+        (["run", "shen-hu-2015", "--out", "a.txt"], 2, ".csv、.json、.mat、.parquet或.html"),
         (["diagnose", "dc-moto", "a.csv"], 1, "库中没有对象"),
         (["trial", "dc-motor", "--seeds", "none"], 2, "不是 1 至"),
         ([], 2, "错误：缺少以下参数：COMMAND"),

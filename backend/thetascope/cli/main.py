@@ -1,4 +1,4 @@
-"""The command line: `thetascope serve | key | run | trial | diagnose | fit | inspect | list | check`,
+"""The command line: `thetascope serve | key | run | figure | trial | diagnose | fit | inspect | list | check`,
 and `backup | restore | verify` for the store of runs.
 
 Exit codes: 0 done, 1 refused or failed (with the reason), 2 wrong usage, 130 interrupted. Commands import their modules
@@ -22,6 +22,7 @@ Value = TypeVar("Value")
 
 FORMATS = (".csv", ".json", ".mat", ".parquet", ".html")
 COMPARISONS = (".csv", ".json")
+FIGURES = (".pdf", ".svg", ".png", ".tex", ".json")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -75,6 +76,7 @@ def parser(say: Words) -> argparse.ArgumentParser:
     run.add_argument("--no-store", action="store_true", help=say("cli.help.no-store"))
     run.set_defaults(command=_run)
 
+    _drawing(commands, say)
     _judging(commands, say)
     _storing(commands, say)
 
@@ -84,6 +86,38 @@ def parser(say: Words) -> argparse.ArgumentParser:
     check.add_argument("plant", metavar="PLANTFILE", type=Path, help=say("cli.help.plant-file"))
     check.set_defaults(command=_check)
     return top
+
+
+def _drawing(commands: Any, say: Words) -> None:
+    """Add the command that writes a figure for print; its limits and names are those of `PrintSettings`."""
+    figure = commands.add_parser("figure", help=say("cli.figure"), description=say("cli.figure.description"))
+    figure.add_argument("experiment", metavar="RUN|EXPERIMENT|FILE", help=say("cli.help.figure-of"))
+    figure.add_argument("name", metavar="NAME", help=say("cli.help.figure-name"))
+    figure.add_argument(
+        "--set", action="append", default=[], metavar="PATH=VALUE", dest="changes", help=say("cli.help.set")
+    )
+    output = _checked(lambda text: _output(text, FIGURES), say)
+    outputs = say("cli.help.out", formats=" ".join(FIGURES))
+    figure.add_argument("--out", action="append", required=True, type=output, metavar="FILE", help=outputs)
+    for option, metavar, kind in (
+        ("width", "CM", float),
+        ("height", "CM", float),
+        ("font", "times|sans|serif", str),
+        ("size", "PT", float),
+        ("colour", "grey|black|colour", str),
+        ("legend", "inside|above|none", str),
+        ("start", "S", float),
+        ("end", "S", float),
+    ):
+        figure.add_argument(f"--{option}", metavar=metavar, type=kind, help=say(f"cli.help.figure.{option}"))
+    figure.add_argument("--curve", action="append", metavar="CURVE", dest="curves", help=say("cli.help.figure.curve"))
+    panels = say("cli.help.figure.panel")
+    figure.add_argument("--panel", action="append", metavar="N", dest="panels", type=int, help=panels)
+    styles = say("cli.help.figure.style")
+    figure.add_argument("--style", action="append", metavar="CURVE=STYLE", dest="styles", help=styles)
+    figure.add_argument("--quiet", action="store_true", help=say("cli.help.quiet"))
+    figure.add_argument("--no-store", action="store_true", help=say("cli.help.no-store"))
+    figure.set_defaults(command=_figure)
 
 
 def _storing(commands: Any, say: Words) -> None:
@@ -239,6 +273,12 @@ def _run(options: argparse.Namespace, say: Words) -> int:
     from thetascope.cli.run_command import run_command
 
     return run_command(options, say)
+
+
+def _figure(options: argparse.Namespace, say: Words) -> int:
+    from thetascope.cli.figures.figure_command import figure_command
+
+    return figure_command(options, say)
 
 
 def _backup(options: argparse.Namespace, say: Words) -> int:

@@ -2,15 +2,18 @@
 
 figure_names(spec, result.names)                    the available figures
 figure(result, spec, plant, "faults", "dark")       one figure: {"data": [...], "layout": {...}}
+drawing(result, spec, plant, "faults")              the same before it is drawn, for `figures.printed`
 """
 
 from collections.abc import Sequence
 
 from thetascope.figures import general_figures, paper_figures
 from thetascope.figures.figure_data import FigureData
+from thetascope.figures.strips import Drawing, stack
+from thetascope.figures.style import theme_named
 from thetascope.messages import Message, text_of
 
-__all__ = ["UnknownFigure", "figure", "figure_names"]
+__all__ = ["UnknownFigure", "drawing", "figure", "figure_names"]
 
 
 class UnknownFigure(KeyError):
@@ -42,6 +45,11 @@ def figure(result, spec, plant, name: str, theme: str = "light", language: str =
     result: the run's `Result`; spec: its Experiment; plant: the Plant it ran on; theme: "light" or "dark"; language: of
     titles, captions and legends. Raises UnknownFigure, and ValueError for another theme.
     """
+    return stack(drawing(result, spec, plant, name, theme, language), theme_named(theme))
+
+
+def drawing(result, spec, plant, name: str, theme: str = "light", language: str = "en") -> Drawing:
+    """Return one figure before it is drawn, with all rows of the run. Raises as `figure` does."""
     run = FigureData(result, spec, plant, theme, language)
     try:
         for own in spec.figures:

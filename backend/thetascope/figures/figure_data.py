@@ -126,6 +126,8 @@ class FigureData:
             final,
             framing=True,
             layer=1,
+            curve="true",
+            source=f"{kind}.{name}",
         )
 
     def estimates(self, kind: str, name: str, final: bool = True) -> list[Line]:
@@ -138,6 +140,8 @@ class FigureData:
                 self.legend(label),
                 final=final,
                 layer=-place,
+                curve=label,
+                source=column,
             )
             for place, label in enumerate(self.labels)
             if (column := f"{label}.{kind}.{name}") in self.columns

@@ -1,12 +1,13 @@
 """The figures of every run, whatever its plant: states, faults, outputs, residuals, errors, inputs, excitation."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from thetascope.figures.figure_data import FigureData
 from thetascope.figures.html_symbols import HAT, TILDE, escape, symbol, wrap
-from thetascope.figures.strips import Line, Strip, stack
+from thetascope.figures.strips import Drawing, Line, Strip
 
 EXCITATION = ("pe", "lambda_min", "excitation")
 """Diagnostics that measure excitation, by the first part of the column's name."""
@@ -51,7 +52,8 @@ def _compare(run: FigureData, kind: str) -> list[Strip]:
         marks = [at for at in run.changes() if at not in edges]
         truth = [run.truth(kind, item.name)] if f"{kind}.{item.name}" in run.columns else []
         lines = [*run.estimates(kind, item.name), *truth]
-        strips.append(Strip(run.time, symbol(item.name), run.caption(kind, item.name), lines, shade=shade, marks=marks))
+        caption, unit = run.caption(kind, item.name), run.unit(kind, item.name)
+        strips.append(Strip(run.time, symbol(item.name), caption, lines, shade=shade, marks=marks, unit=unit))
     return strips
 
 
@@ -67,6 +69,8 @@ def _outputs(run: FigureData) -> list[Strip]:
             final=True,
             framing=True,
             layer=-len(run.labels),
+            curve="measured",
+            source=f"y.{item.name}",
         )
         strips.append(
             Strip(
@@ -74,6 +78,7 @@ def _outputs(run: FigureData) -> list[Strip]:
                 symbol(item.name),
                 run.caption("y", item.name),
                 [measured, *run.estimates("y", item.name)],
+                unit=run.unit("y", item.name),
                 shade=run.intervals("y", item.name),
                 marks=run.changes(),
             )
@@ -86,7 +91,13 @@ def _residuals(run: FigureData) -> list[Strip]:
     for item in run.plant.outputs:
         y, sign = run.values(f"y.{item.name}"), f"{symbol(item.name)} − {symbol(item.name, HAT)}"
         lines = [
-            Line(_difference(y, line.y), f"{sign} {line.legend}", line.colour, line.legend, layer=line.layer)
+            replace(
+                line,
+                y=_difference(y, line.y),
+                name=f"{sign} {line.legend}",
+                final=False,
+                source=f"y.{item.name} - {line.source}",
+            )
             for line in run.estimates("y", item.name)
         ]
         if lines:
@@ -96,6 +107,7 @@ def _residuals(run: FigureData) -> list[Strip]:
                     sign,
                     run.caption("y", item.name, "residual"),
                     lines,
+                    unit=run.unit("y", item.name),
                     marks=run.changes(),
                     shade=run.intervals("y", item.name),
                 )
@@ -115,12 +127,12 @@ def _errors(run: FigureData) -> list[Strip]:
         for item in items:
             truth, sign = run.values(f"{kind}.{item.name}"), f"|{symbol(item.name, TILDE)}|"
             lines = [
-                Line(
-                    np.abs(_difference(line.y, truth)),
-                    f"{sign} {line.legend}",
-                    line.colour,
-                    line.legend,
-                    layer=line.layer,
+                replace(
+                    line,
+                    y=np.abs(_difference(line.y, truth)),
+                    name=f"{sign} {line.legend}",
+                    final=False,
+                    source=f"|{line.source} - {kind}.{item.name}|",
                 )
                 for line in run.estimates(kind, item.name)
             ]
@@ -132,6 +144,7 @@ def _errors(run: FigureData) -> list[Strip]:
                         run.caption(kind, item.name),
                         lines,
                         log=True,
+                        unit=run.unit(kind, item.name),
                         marks=run.changes(),
                         shade=run.intervals(kind, item.name),
                     )
@@ -144,8 +157,11 @@ def _inputs(run: FigureData) -> list[Strip]:
     plant = run.plant
     for kind, items in (("r", plant.references), ("u", plant.inputs), ("signal", plant.signals)):
         for item in (item for item in items if f"{kind}.{item.name}" in run.columns):
-            line = Line(run.values(f"{kind}.{item.name}"), symbol(item.name), run.theme.ink, framing=True)
-            strips.append(Strip(run.time, symbol(item.name), run.caption(kind, item.name), [line], height=72))
+            column, unit = f"{kind}.{item.name}", run.unit(kind, item.name)
+            line = Line(run.values(column), symbol(item.name), run.theme.ink, framing=True, source=column)
+            strips.append(
+                Strip(run.time, symbol(item.name), run.caption(kind, item.name), [line], height=72, unit=unit)
+            )
     return strips
 
 
@@ -161,6 +177,8 @@ def _excitation(run: FigureData) -> list[Strip]:
                 run.colour(label),
                 run.legend(label),
                 layer=-run.labels.index(label),
+                curve=label,
+                source=f"{label}.{name}",
             )
         )
         for check in (check for r in run.result.observers if r.label == label for check in r.checks):
@@ -197,9 +215,9 @@ _BUILD: dict[str, Callable[[FigureData], list[Strip]]] = {
 }
 
 
-def build(run: FigureData, name: str) -> dict:
+def build(run: FigureData, name: str) -> Drawing:
     """Return the general figure of that name. Raises KeyError if it does not exist or this run has nothing to draw."""
     strips = _BUILD[name](run)
     if not strips:
         raise KeyError(name)
-    return stack(run.say(f"figure.{name}"), run.say(f"figure.{name}.caption"), strips, run.theme)
+    return Drawing(run.say(f"figure.{name}"), run.say(f"figure.{name}.caption"), strips)

@@ -9,7 +9,7 @@ import numpy as np
 
 from thetascope.figures.figure_data import FigureData
 from thetascope.figures.html_symbols import TILDE, escape, mathematical, symbol, wrap
-from thetascope.figures.strips import Abscissa, Line, Strip, stack
+from thetascope.figures.strips import Abscissa, Drawing, Line, Strip
 from thetascope.figures.style import mix
 
 _MATH_LENGTH = 12
@@ -21,7 +21,7 @@ def drawable(declared, columns: Sequence[str]) -> bool:
     return any(_traces(panel, columns) for panel in declared.panels)
 
 
-def build(run: FigureData, declared) -> dict:
+def build(run: FigureData, declared) -> Drawing:
     """Return one figure of the experiment's `figures`: its panels below one another, those over time on one axis."""
     panels = [panel for panel in declared.panels if _traces(panel, run.columns)]
     if not panels:
@@ -31,7 +31,7 @@ def build(run: FigureData, declared) -> dict:
         _strip(run, panel, axes.setdefault((panel.x, panel.x_title), _abscissa(run, panel)), len(panels))
         for panel in panels
     ]
-    return stack(run.text(declared.title) or declared.name, run.text(declared.caption), strips, run.theme)
+    return Drawing(run.text(declared.title) or declared.name, run.text(declared.caption), strips)
 
 
 def _traces(panel, columns) -> list:
@@ -65,8 +65,9 @@ def _strip(run: FigureData, panel, x: Abscissa, count: int) -> Strip:
     edges = {at for interval in shade for at in interval}
     marks = [at for at in run.changes() if at not in edges] if x.is_time else []
     heading, caption = _heading(run, panel, traces)
+    unit = _unit(run, traces)
     height = 380 if not x.is_time else 340 if count == 1 else 170 if count < 4 else 124
-    return Strip(x, heading, caption, lines, log=panel.log, shade=shade, marks=marks, height=height)
+    return Strip(x, heading, caption, lines, log=panel.log, shade=shade, marks=marks, height=height, unit=unit)
 
 
 def _default_label(run: FigureData, trace, truth: bool, kind: str) -> str:
@@ -89,10 +90,21 @@ def _heading(run: FigureData, panel, traces: Sequence) -> tuple[str, str]:
         heading = ", ".join(symbol(name, accent) for _, name in quantities[:3]) + (" …" if len(quantities) > 3 else "")
     if not (title or panel.title) and len(quantities) == 1:
         return heading, run.caption(*quantities[0])
-    units = {run.unit(kind, name) for kind, name in quantities}
-    unit = units.pop() if len(units) == 1 else ""
+    unit = _unit(run, traces)
     rows = [mathematical(wrap(text)) for text in words if text] + ([escape(unit)] if unit and unit not in title else [])
     return heading, "<br>".join(rows)
+
+
+def _unit(run: FigureData, traces: Sequence) -> str:
+    """Return the unit of the traces' quantities, "" if they differ."""
+    units = {run.unit(*run.split(trace.column)[1:]) for trace in traces}
+    return units.pop() if len(units) == 1 else ""
+
+
+def _source(trace) -> str:
+    """Return a trace's values as an expression of columns."""
+    text = trace.column + (f" - {trace.minus}" if trace.minus else "")
+    return f"|{text}|" if trace.absolute else text
 
 
 def _values(run: FigureData, trace) -> np.ndarray:
@@ -123,6 +135,8 @@ def _line(run: FigureData, log: bool, traces: Sequence, place: int) -> Line:
             final=plain,
             framing=kind != "y",
             layer=1 if truth else -99 if kind == "y" else 0,
+            curve="" if trace.label else "true" if truth else "measured" if kind == "y" else trace.column,
+            source=_source(trace),
         )
     dashed = any(
         run.split(other.column)[0] is None and not other.minus for other in traces
@@ -139,6 +153,8 @@ def _line(run: FigureData, log: bool, traces: Sequence, place: int) -> Line:
         dash,
         final=plain,
         layer=-run.labels.index(label),
+        curve=label if len(same) == 1 and not trace.label else "",
+        source=_source(trace),
     )
 
 

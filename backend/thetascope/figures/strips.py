@@ -31,6 +31,10 @@ class Line:
     """Keep the whole line in view (the true value); rare spikes of other lines may leave the strip."""
     layer: int = 0
     """Lines of a higher layer are drawn over the others."""
+    curve: str = ""
+    """Key of what the line shows in every strip and language: true, measured, or an observer's label."""
+    source: str = ""
+    """The line's values as an expression of columns of the run."""
 
 
 @dataclass(frozen=True)
@@ -57,10 +61,22 @@ class Strip:
     limit: float | None = None
     height: int = 104
     """Height in pixels; larger where the numbers beside the strip need it."""
+    unit: str = ""
+    """The unit of the vertical axis as plain text, if all lines have the same."""
 
 
-def stack(title: str, caption: str, strips: Sequence[Strip], theme: style.Theme) -> dict:
-    """Return {"data", "layout"} of the strips, the first on top. title, caption: plain text, under layout.meta."""
+@dataclass(frozen=True)
+class Drawing:
+    """A figure before it is drawn: its strips, the first on top. title, caption: plain text."""
+
+    title: str
+    caption: str
+    strips: Sequence[Strip]
+
+
+def stack(drawing: Drawing, theme: style.Theme) -> dict:
+    """Return {"data", "layout"} of a drawing; its title and caption are under layout.meta."""
+    strips = drawing.strips
     shared = all(strip.x is strips[0].x for strip in strips)
     heights, gap = [_height(strip, len(strips)) for strip in strips], GAP if shared else GAP + BOTTOM
     total = sum(heights) + gap * (len(heights) - 1)
@@ -71,7 +87,7 @@ def stack(title: str, caption: str, strips: Sequence[Strip], theme: style.Theme)
         "b": BOTTOM,
     }
     layout = style.base_layout(theme, total + TOP + BOTTOM, margin)
-    layout |= {"meta": {"title": title, "caption": caption}, "annotations": [], "shapes": []}
+    layout |= {"meta": {"title": drawing.title, "caption": drawing.caption}, "annotations": [], "shapes": []}
     data, seen, top = [], {}, total
     for place, (strip, height) in enumerate(zip(strips, heights, strict=True), start=1):
         y = _numbered("y", place)

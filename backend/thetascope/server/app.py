@@ -35,6 +35,7 @@ from thetascope.api.routes import (
     runs,
     sessions,
 )
+from thetascope.api.routes.figures import printed_figures
 from thetascope.api.routes.models import equations, gain_defaults, plant_trial
 from thetascope.api.sign_in.require_key import RequireKey
 from thetascope.engine.compiler import cache
@@ -120,6 +121,7 @@ def _api() -> APIRouter:
         records,
         runs,
         run_results,
+        printed_figures,
         sessions,
     ):
         api.include_router(part.router)

@@ -10,6 +10,7 @@ from thetascope.api.http.request_bodies import EquationsRequest, ForkRequest, Se
 from thetascope.runs.specs.run_requests import RunRequest
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
+from thetascope_schemas.service.figures.printed_figure import PrintSettings
 from thetascope_schemas.service.plants.text import TextEdit
 from thetascope_schemas.service.plants.trial import PlantTrialRequest
 from thetascope_schemas.service.record import Record, RecordRunRequest
@@ -43,6 +44,7 @@ BODIES = (
     SessionRequest,
     ForkRequest,
     EquationsRequest,
+    PrintSettings,
     Problem,
 )
 _ANY = {"description": "Another refusal, or an internal error (500).", "content": PROBLEM}
