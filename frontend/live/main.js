@@ -325,7 +325,7 @@ async function open() {
       experiment: null,
       plain: false,
     });
-  const linked = request.t > 0 || request.changed || request.spec;
+  const linked = request.t > 0 || request.changed || (request.spec && !request.play);
   const then = linked
     ? () => app.act.tell({code: 'page.notice.from-link', args: {t: request.t.toFixed(1)}})
     : undefined;
@@ -333,7 +333,7 @@ async function open() {
     const spec = await permalink.specOf(request, library);
     if (!wanted()) return undefined;
     if (spec) {
-      const opened = await create({spec, t: request.t, play: false});
+      const opened = await create({spec, t: request.t, play: request.play === true});
       if (!wanted()) return await end(opened.id, opened.token);
       return join({
         id: opened.id,

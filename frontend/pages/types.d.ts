@@ -69,6 +69,7 @@ export interface RunStore {
 export interface RunActions {
   choose(id: string, options?: {changes?: Changes; run?: string | null; push?: boolean}): Promise<void>;
   run(): Promise<void>;
+  runSpec(make: () => Promise<service.ExperimentInput>): Promise<void>;
   cancel(): Promise<void>;
   change(path: string, to: unknown): void;
   replace(changes: Changes): void;

@@ -89,6 +89,7 @@ def test_a_saved_plant_is_named_where_a_plant_is_chosen(client):
         for plant in ("tank-c", "tank-c@1", "tank-c@2", check(client, text("tank-c"))["plant"])
     ]
     assert values[0] == values[2] != values[1] == values[3]
+    assert client.get("/api/plants/tank-c@1")["parameters"][1]["value"] == 981
     assert client.post("/api/equations", {"plant": "tank-c", "observers": []})["plant"]["id"] == "tank-c"
     opened = client.post("/api/sessions", {"spec": {**RUN, "plant": "tank-c@1"}, "play": False})
     assert client.get(f"/api/sessions/{opened['id']}")["spec"]["plant"]["parameters"][1]["value"] == 981

@@ -16,6 +16,7 @@
  * @property {number} t   s
  * @property {Partial<Experiment>} [changed]   fields that differ from the library experiment
  * @property {Experiment} [spec]
+ * @property {boolean} [play]   whether it plays when it is open
  */
 
 const PROSE = ['figures', 'errata', 'description', 'source'];

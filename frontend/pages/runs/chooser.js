@@ -1,6 +1,7 @@
 // The library: experiments under their plants. On a narrow screen it folds away behind the choice.
 
 import {fill, h, query} from '../../common/dom.js';
+import {experimentOn, ownPlants} from '../../widgets/own-plants.js';
 import {write} from './address.js';
 import {named, t} from '../../i18n/words.js';
 
@@ -23,12 +24,14 @@ export function mountChooser(root, store, act) {
     oninput: show,
   });
   const list = h('div', {class: 'list'});
+  const own = h('div', {class: 'list own-plants'});
   const fold = h(
     'details',
     {},
     h('summary', {}, h('h2', {}, t('page.runs.experiments')), h('span', {class: 'now'})),
     filter,
     list,
+    own,
   );
   fold.open = wide.matches;
   wide.addEventListener('change', () => {
@@ -88,6 +91,43 @@ export function mountChooser(root, store, act) {
       ),
     );
   }
+
+  /** Plants that were saved in the workshop: a run with two observers and the plant's first fault. */
+  async function showOwn() {
+    const plants = await ownPlants();
+    if (plants.length === 0) return;
+    fill(
+      own,
+      h('h3', {}, t('page.workshop.mine')),
+      h(
+        'ul',
+        {},
+        plants.map((one) =>
+          h(
+            'li',
+            {},
+            h(
+              'a',
+              {
+                href: `/workshop/?plant=${encodeURIComponent(one.id)}`,
+                onclick: async (event) => {
+                  if (event.ctrlKey || event.metaKey || event.shiftKey) return;
+                  event.preventDefault();
+                  const link = event.currentTarget;
+                  link.setAttribute('aria-busy', 'true');
+                  await act.runSpec(() => experimentOn(one.id, {fault: true}));
+                  link.removeAttribute('aria-busy');
+                },
+              },
+              h('b', {}, one.title || one.id),
+              h('span', {class: 'soft'}, t('page.workshop.version', {n: one.version})),
+            ),
+          ),
+        ),
+      ),
+    );
+  }
+  showOwn();
 
   store.subscribe((state, before) => {
     if (state.experiments !== before.experiments || state.chosen !== before.chosen || state.spec !== before.spec) {

@@ -56,6 +56,16 @@ const act = {
     }, mine.signal);
   },
 
+  /** Run an experiment that is not of the library, and show it. */
+  async runSpec(make) {
+    following?.abort();
+    await guarded(async () => {
+      /** @type {Run | service.Progress} */
+      const started = await post('/api/runs?wait=0', await make());
+      location.assign(write({experiment: null, run: started.id}));
+    });
+  },
+
   async cancel() {
     const {links} = store.state.progress;
     const {cancel} = links;

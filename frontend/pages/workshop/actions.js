@@ -152,11 +152,12 @@ export function createActions(store, editor) {
       }),
     openLive: () =>
       guarded(async () => {
-        location.assign(`/#s=${await pack({spec: await experiment(), t: 0})}`);
+        location.assign(`/#s=${await pack({spec: await experiment(), t: 0, play: true})}`);
       }),
     run: () =>
       guarded(async () => {
-        location.assign(`/runs/#s=${await pack({spec: await withFault(await experiment(), store.state)})}`);
+        const {id} = await service.run(await withFault(await experiment(), store.state));
+        location.assign(`/runs/?run=${id}`);
       }),
     findFaults: () =>
       guarded(async () => {

@@ -36,6 +36,9 @@ export const trial = (body, signal) => request('POST', '/api/plants/trial', {bod
  */
 export const ranking = (body, signal) => request('POST', '/api/plants/ranking', {body, signal});
 
+/** @param {object} spec @returns {Promise<service.Run | service.Progress>} */
+export const run = (spec) => post('/api/runs?wait=0', spec);
+
 /** @returns {Promise<service.MyPlantList>} */
 export const mine = () => get('/api/my-plants');
 

@@ -7,6 +7,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from thetascope import library
+from thetascope.access.principal import principal_of
 from thetascope.api.http.answers import json_response
 from thetascope.api.http.computed import computed
 from thetascope.api.http.language import Language, Prose
@@ -63,13 +64,14 @@ def list_plants(language: Language) -> Response:
     return json_response({"plants": [plant_line(plant, language) for plant in library.plants().values()]})
 
 
-@router.get("/plants/{id}", response_model=Plant, responses=documented(404), tags=["plants"])
-def get_plant(id: str, language: Prose) -> Response:
-    """Return a plant of the library in full: copy it, change it, and POST it to /api/plants/check.
+@router.get("/plants/{id}", response_model=Plant, responses=documented(404, 422), tags=["plants"])
+def get_plant(request: Request, id: str, services: Use, language: Prose) -> Response:
+    """Return a plant in full, of the library or a saved one: copy it, change it, and POST it to /api/plants/check.
 
     Its prose is in one language; `?lang=*` gives it in all languages, as maps.
     """
-    return Response(plant_of(id).model_dump_json(context={"language": language}), media_type="application/json")
+    plant = plant_of(services.my_plants.plant(id, principal_of(request.scope)))
+    return Response(plant.model_dump_json(context={"language": language}), media_type="application/json")
 
 
 @router.post(

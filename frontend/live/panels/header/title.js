@@ -1,7 +1,9 @@
 // The title of the experiment, and the choice of another.
 
 import {childrenOf, fill, h} from '../../../common/dom.js';
+import {experimentOn, ownPlants} from '../../../widgets/own-plants.js';
 import {icon} from '../../../widgets/svg.js';
+import {pack} from '../../state/permalink.js';
 import {named, t} from '../../../i18n/words.js';
 
 /** @import {ExperimentLine, Plant} from '../../../pages/types.js' */
@@ -33,6 +35,7 @@ export function mount(element, app) {
       list,
       experiments.map((one) => entry(one, titles[one.plant])),
     );
+    ownPlants().then((own) => list.append(...own.map(ownEntry)));
     filter.value = '';
     filter.placeholder = t('page.title.find');
     filter.setAttribute('aria-label', t('page.title.find'));
@@ -58,6 +61,33 @@ export function mount(element, app) {
         },
         h('b', {}, named(one.title) || one.id),
         h('span', {}, named(plant) ?? one.plant),
+      ),
+    );
+  /** A plant that was saved in the workshop. @param {service.MyPlantLine} one */
+  const ownEntry = (one) =>
+    h(
+      'li',
+      {},
+      h(
+        'a',
+        {
+          href: `/workshop/?plant=${encodeURIComponent(one.id)}`,
+          onclick: async (event) => {
+            if (event.ctrlKey || event.metaKey || event.shiftKey) return;
+            event.preventDefault();
+            toggle(false);
+            button.focus();
+            try {
+              const address = `/#s=${await pack({spec: await experimentOn(one.id), t: 0, play: true})}`;
+              history.pushState(null, '', address);
+              dispatchEvent(new PopStateEvent('popstate'));
+            } catch (error) {
+              app.act.refused(error);
+            }
+          },
+        },
+        h('b', {}, one.title || one.id),
+        h('span', {}, t('page.workshop.mine')),
       ),
     );
   filter.addEventListener('input', () => {
