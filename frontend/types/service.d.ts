@@ -956,6 +956,38 @@ export interface FaultOutcome {
   alarm: string;
 }
 
+/** A fault that may act in an equation, ready to be added to the plant's text. */
+export interface FaultPattern {
+  pattern: 'loss' | 'leak' | 'bias' | 'gain' | 'lag';
+  /** The quantity that is disturbed; empty: the whole equation. */
+  term: string;
+  /** What happens, in a sentence. */
+  about: Text;
+  /** The term with θ as MathML. */
+  math: string;
+  channel: Channel;
+  /** Coefficients of θ in the other equations with the term, so that nothing vanishes, by state. */
+  conserved: {[name: string]: string};
+  /** States to add. */
+  states: (State)[];
+  /** Parameters to add. */
+  parameters: (Parameter)[];
+  /** Equations of the states to add. */
+  equations: {[name: string]: string};
+}
+
+/** The equation of a plant in which a fault is to be added. */
+export interface FaultPatternRequest {
+  plant: string | PlantInput;
+  /** The state or output whose equation it is. */
+  name: string;
+}
+
+/** The faults that may act in an equation. */
+export interface FaultPatterns {
+  patterns: (FaultPattern)[];
+}
+
 /** One reason for a refusal: the field, the value that arrived, the problem and the remedy. */
 export interface FieldError {
   /** Path of the field, for example faults[0].end. */

@@ -7,9 +7,13 @@ import pytest
 
 from tests.runs.plants.test_text_check import TEXT
 from thetascope import library
+from thetascope.assembly.workshop.fault_patterns import fault_patterns
 from thetascope.assembly.workshop.preview import ENOUGH, preview, separation
 from thetascope.assembly.workshop.ranking import ranked_observers
 from thetascope.assembly.workshop.trial_experiment import nice, trial_experiment
+from thetascope.runs.plants.plant_text import plant_data, yaml_text
+from thetascope.runs.plants.text_check import check_text
+from thetascope.runs.plants.text_edit import edited
 from thetascope.runs.specs.refusals import validated
 from thetascope.runs.specs.spec_files import parse
 from thetascope_schemas.experiment.plant import Plant
@@ -83,6 +87,28 @@ def test_observers_are_ranked_by_their_error_and_the_rest_have_reasons():
     assert possible[0].error < 0.5 and ranked[: len(possible)] == possible
     assert all(one.why.text("zh") and one.why.text("en") for one in ranked)
     assert len(ranked) - len(possible) >= 4
+
+
+@pytest.mark.parametrize("id", ["dc-motor", "level-loop", "shen-hu-2015"])
+def test_every_suggested_fault_makes_a_valid_plant(id):
+    """Each pattern of each equation can be added to the text of the plant, and to that of its copy as JSON."""
+    text = yaml_text(plant_data(library.plant(id), "en"))
+    chosen = library.plant(id)
+    for name in (*chosen.names("states"), *chosen.names("outputs")):
+        patterns = fault_patterns(chosen, name)
+        assert {"bias", "gain"} <= {pattern.pattern for pattern in patterns}
+        for pattern in patterns[:4]:
+            items = {"states": pattern.states, "parameters": pattern.parameters, "channels": [pattern.channel]}
+            answer = check_text(edited(text, {}, items, pattern.equations).text, "en")
+            assert answer.errors == (), (name, pattern.pattern, answer.errors[0].problem)
+
+
+def test_a_lost_flow_is_conserved_between_tanks():
+    """The share of the flow between two tanks that is lost in one stays in the other; a leak leaves the first alone."""
+    loss = next(p for p in fault_patterns(plant(TEXT), "h2") if (p.pattern, p.term) == ("loss", "q12"))
+    assert loss.channel["enters"] == {"h2": "-q12/A"} and loss.conserved == {"h1": "q12/A"}
+    leak = next(p for p in fault_patterns(plant(TEXT), "h1") if p.pattern == "leak")
+    assert leak.channel["enters"] == {"h1": "-sqrt(2*g*max(h1, 0))*(1/A)"} and leak.conserved == {}
 
 
 def test_values_are_rounded_to_what_people_write():

@@ -36,6 +36,12 @@ export const trial = (body, signal) => request('POST', '/api/plants/trial', {bod
  */
 export const ranking = (body, signal) => request('POST', '/api/plants/ranking', {body, signal});
 
+/**
+ * @param {service.FaultPatternRequest} body
+ * @returns {Promise<service.FaultPatterns>}
+ */
+export const patterns = (body) => post('/api/plants/fault-patterns', body);
+
 /** @param {object} spec @returns {Promise<service.Run | service.Progress>} */
 export const run = (spec) => post('/api/runs?wait=0', spec);
 

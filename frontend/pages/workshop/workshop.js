@@ -12,6 +12,7 @@ import {mountCards} from './cards/cards.js';
 import {followChanges} from './checks.js';
 import {keep} from './drafts.js';
 import {createEditor} from './editor/editor.js';
+import {createPopover} from './fault/popover.js';
 import {mountEditorCard} from './editor/editor-card.js';
 import {mountList} from './list.js';
 import * as shop from './service.js';
@@ -88,7 +89,7 @@ mountTop(query('.top'), connection, 'workshop');
 mountBar(query('.shop-bar'), store, act);
 mountList(query('.shop-list'), store, act);
 mountEditorCard(query('.editor-card'), editor, store, act);
-mountCards(query('.shop-cards'), store, act, editor, () => {});
+mountCards(query('.shop-cards'), store, act, editor, createPopover(store, editor));
 store.subscribe(
   (state) => state.check,
   ({check}) => {

@@ -74,6 +74,25 @@ def test_a_saved_plant_is_found_again_and_its_deletion_undone(shop):
     until(shop, "document.querySelectorAll('.mine .entry').length === 1")
 
 
+def test_a_fault_is_added_by_pointing_at_an_equation(shop):
+    """The consequences are in sight before; Escape leaves no trace, and Add leaves the new channel in the text."""
+    paste(shop, TANK)
+    until(shop, READY + " && document.querySelector('.matrix')")
+    columns = shop.locator(".matrix thead th").count()
+    shop.click("button.eq >> nth=0")
+    until(shop, f"document.querySelectorAll('.matrix thead th').length === {columns + 1}")
+    assert shop.locator(".new-line").count() >= 3
+    shop.keyboard.press("Escape")
+    until(shop, f"document.querySelectorAll('.matrix thead th').length === {columns}")
+    shop.click("button.eq >> nth=0")
+    shop.click(".pattern:has-text('Bias')")
+    shop.fill("#fault-name", "draught")
+    until(shop, "document.querySelector('.matrix .rowname:last-child, .matrix tbody')?.textContent.includes('draught')")
+    shop.click("#add-fault")
+    assert not shop.locator(".fault-popover").count()
+    until(shop, READY + " && document.querySelector('.eqs').textContent.includes('draught')")
+
+
 def test_a_plant_is_opened_live_with_two_observers(shop):
     """The session has the plant, an input that moves, and the observers that are ticked."""
     paste(shop, TANK)

@@ -12,7 +12,7 @@ from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.figures.printed_figure import PrintSettings
 from thetascope_schemas.service.plants.text import TextEdit
-from thetascope_schemas.service.plants.trial import PlantTrialRequest
+from thetascope_schemas.service.plants.trial import FaultPatternRequest, PlantTrialRequest
 from thetascope_schemas.service.record import Record, RecordRunRequest
 from thetascope_schemas.service.record_diagnosis import RecordDiagnosisRequest
 from thetascope_schemas.service.record_inspection import MappingRequest
@@ -35,6 +35,7 @@ BODIES = (
     Experiment,
     Plant,
     PlantTrialRequest,
+    FaultPatternRequest,
     TextEdit,
     Record,
     MappingRequest,

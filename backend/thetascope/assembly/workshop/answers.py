@@ -3,13 +3,20 @@
 from dataclasses import asdict
 from typing import Any
 
+from thetascope.assembly.workshop.fault_patterns import fault_patterns
 from thetascope.assembly.workshop.preview import preview
 from thetascope.assembly.workshop.ranking import ranked_observers
 from thetascope.assembly.workshop.trial_experiment import trial_experiment
 from thetascope_schemas.experiment.base import Text
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
-from thetascope_schemas.service.plants.trial import ObserverRanking, PlantPreview, PlantTrial, RankedObserver
+from thetascope_schemas.service.plants.trial import (
+    FaultPatterns,
+    ObserverRanking,
+    PlantPreview,
+    PlantTrial,
+    RankedObserver,
+)
 
 
 def trial_of(plant: Plant, changes: dict[str, Any]) -> PlantTrial:
@@ -28,3 +35,9 @@ def ranking_of(plant: Plant, changes: dict[str, Any]) -> ObserverRanking:
             for one in ranked
         )
     )
+
+
+def patterns_of(plant: Plant, name: str) -> FaultPatterns:
+    """Return the faults that may act in the equation of a state or output. Raises SpecError."""
+    patterns = [vars(one) | {"about": Text.of(one.about)} for one in fault_patterns(plant, name)]
+    return FaultPatterns.model_validate({"patterns": patterns})

@@ -115,7 +115,11 @@ export function codeEditor(cm, text, events) {
     names(next) {
       words = next;
     },
-    mark: (lines) => view.dispatch({effects: marks.show.of(lines)}),
+    mark(lines) {
+      const last = Math.min(lines.at(-1) ?? 0, view.state.doc.lines);
+      const seen = last > 0 ? [cm.EditorView.scrollIntoView(view.state.doc.line(last).from, {y: 'end'})] : [];
+      view.dispatch({effects: [marks.show.of(lines), ...seen]});
+    },
     undo: () => cm.undo(view),
   };
 }

@@ -1,9 +1,12 @@
 """An experiment that suits a plant, a preview of it, and observers ranked for it."""
 
+from typing import Literal
+
 from pydantic import Field
 
-from thetascope_schemas.experiment.base import Number, Reference, Strict, Text, example
+from thetascope_schemas.experiment.base import ExpressionText, Number, Reference, Strict, Text, example
 from thetascope_schemas.experiment.experiment import Experiment, PlantChoice
+from thetascope_schemas.experiment.plant import Channel, Parameter, State
 from thetascope_schemas.experiment.signals import Signal
 
 Series = dict[str, tuple[Number, ...]]
@@ -83,3 +86,48 @@ class ObserverRanking(Strict):
     model_config = example(observers=[])
 
     observers: tuple[RankedObserver, ...]
+
+
+class FaultPatternRequest(Strict):
+    """The equation of a plant in which a fault is to be added."""
+
+    model_config = example(plant="dc-motor", name="current")
+
+    plant: PlantChoice
+    name: Reference = Field(description="The state or output whose equation it is.")
+
+
+class FaultPattern(Strict):
+    """A fault that may act in an equation, ready to be added to the plant's text."""
+
+    model_config = example(
+        pattern="loss",
+        term="q",
+        about={"code": "workshop.pattern.loss", "args": {"name": "q"}, "text": "a share of q is lost"},
+        math="<math/>",
+        channel={"name": "loss_q", "kind": "actuator", "enters": {"h": "-q/A"}, "typical": 0.1, "bounds": [0, 1]},
+        conserved={},
+        states=[],
+        parameters=[],
+        equations={},
+    )
+
+    pattern: Literal["loss", "leak", "bias", "gain", "lag"]
+    term: str = Field(description="The quantity that is disturbed; empty: the whole equation.")
+    about: Text = Field(description="What happens, in a sentence.")
+    math: str = Field(description="The term with θ as MathML.")
+    channel: Channel
+    conserved: dict[Reference, ExpressionText] = Field(
+        description="Coefficients of θ in the other equations with the term, so that nothing vanishes, by state."
+    )
+    states: tuple[State, ...] = Field(description="States to add.")
+    parameters: tuple[Parameter, ...] = Field(description="Parameters to add.")
+    equations: dict[Reference, ExpressionText] = Field(description="Equations of the states to add.")
+
+
+class FaultPatterns(Strict):
+    """The faults that may act in an equation."""
+
+    model_config = example(patterns=[])
+
+    patterns: tuple[FaultPattern, ...]

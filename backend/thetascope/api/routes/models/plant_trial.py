@@ -1,4 +1,4 @@
-"""/api/plants/trial: an experiment that suits a plant, with a preview; /api/plants/ranking: observers that suit it."""
+"""/api/plants/trial, …/ranking, …/fault-patterns: an experiment, observers and faults that suit a plant."""
 
 from collections.abc import Callable
 from typing import Any, TypeVar
@@ -16,7 +16,13 @@ from thetascope.live.wire.localize import encode
 from thetascope.runs.specs.refusals import from_engine, validated
 from thetascope.runs.specs.resolve_spec import plant_of
 from thetascope_schemas.experiment.plant import Plant
-from thetascope_schemas.service.plants.trial import ObserverRanking, PlantTrial, PlantTrialRequest
+from thetascope_schemas.service.plants.trial import (
+    FaultPatternRequest,
+    FaultPatterns,
+    ObserverRanking,
+    PlantTrial,
+    PlantTrialRequest,
+)
 
 router = APIRouter(prefix="/plants", tags=["plants"])
 Answer = TypeVar("Answer", PlantTrial, ObserverRanking)
@@ -39,6 +45,28 @@ async def rank_observers(request: Request, services: Use, language: Language) ->
     from thetascope.assembly.workshop.answers import ranking_of
 
     return await _answer(request, services, language, ranking_of)
+
+
+@router.post(
+    "/fault-patterns",
+    response_model=FaultPatterns,
+    openapi_extra=body_schema("FaultPatternRequest"),
+    responses=_REFUSALS,
+)
+async def suggest_faults(request: Request, services: Use, language: Language) -> Response:
+    """Return the faults that may act in the equation of a state or output: loss, leak, bias, gain, lag."""
+    from thetascope.assembly.workshop.answers import patterns_of
+
+    def read(data: Any) -> tuple[Plant, str]:
+        asked = validated(FaultPatternRequest, data)
+        return plant_of(asked.plant), asked.name
+
+    plant, name = await parsed(request, services.settings.max_body, read)
+    try:
+        answer = await computed(request, services, patterns_of, plant, name)
+    except SpecError as error:
+        raise from_engine(error, True) from None
+    return Response(encode(answer, language), media_type="application/json")
 
 
 async def _answer(
