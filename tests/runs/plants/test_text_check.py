@@ -155,6 +155,47 @@ def test_the_examples_of_the_documentation_are_valid_as_they_are_pasted():
     assert len(blocks) >= 5 and [answer.errors for answer in answers] == [()] * len(blocks)
 
 
+@pytest.mark.parametrize("id", sorted(library.plants()))
+def test_units_of_library_plants_fit(id):
+    """No plant of the library has a term whose dimension does not fit, nor does an example of the documentation."""
+    assert check_text(yaml_text(plant_data(library.plant(id), "en")), "en").errors == ()
+
+
+UNITS = TEXT.replace("value: 981}", "value: 981, unit: cm/s²}").replace('"2*sqrt', '"a*sqrt')
+UNITS = UNITS.replace(
+    "  - {name: g,", '  - {name: a, value: 2, unit: cm²}\n  - {name: B, value: 1, unit: ""}\n  - {name: g,'
+)
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "shown", "words"),
+    [
+        ("(q - q12)/A", "(q - q12*A)/A", "- q12*A", ["m⁵/s", "m³/s"]),
+        ("(q - q12)/A", "(q - q12)", "(q - q12)", ["m³/s", "m/s"]),
+        ("expression: h1}", "expression: h1*A}", "h1*A", ["m³", "m"]),
+        ('expression: "a*sqrt(2*g*max(h1 - h2, 0))"', 'expression: "a*exp(g)*sqrt(2*g*h1)"', "g", ["m/s²", "pure"]),
+        ("enters: {h1: -sqrt(h1)}", 'unit: "", enters: {h1: -q}', "-q", ["m³/s", "m/s"]),
+        ("(q - q12)/A", "(q - q12)/A + where(h1 < g, 0, 0)", "g", ["m/s²", "m"]),
+    ],
+)
+def test_a_term_with_another_unit_is_underlined(right, wrong, shown, words):
+    """The term is named with its unit and the one that is needed; the plant can be simulated nevertheless."""
+    assert check_text(UNITS, "en").errors == ()
+    text = UNITS.replace(right, wrong)
+    answer = check_text(text, "en")
+    (warning,) = answer.errors
+    assert answer.valid and warning.severity == "warning" and answer.plant is not None
+    assert at(text, warning.place).strip("- ") == shown.strip("- ")
+    assert all(f" {word}" in f" {warning.problem} {warning.remedy}".replace(",", " ") for word in words)
+
+
+@pytest.mark.parametrize("known", ["unit: cm, ", ""])
+def test_units_that_are_left_out_are_no_warning(known):
+    """Where a quantity has no unit, its equations are not judged: many plants have none."""
+    text = re.sub(r"unit: [^,}]*, ", known and "", UNITS).replace(", unit: cm/s²", "")
+    assert check_text(text, "en").errors == ()
+
+
 def test_sentences_are_in_the_chosen_language():
     """The problem and the remedy are Chinese, without a column: the editor shows the place."""
     (error,) = check_text(TEXT.replace("2*sqrt(2*g*max(h2", "2*sqr(2*g*max(h2"), "zh").errors

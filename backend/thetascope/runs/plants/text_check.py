@@ -8,6 +8,7 @@ from thetascope.engine.errors import SpecError
 from thetascope.messages import Message, words
 from thetascope.runs.plants.remedies import Fix, fix_of, unquoted
 from thetascope.runs.plants.text_places import Span, span_of, word_at
+from thetascope.runs.plants.unit_check import Mismatch, mismatches
 from thetascope.runs.specs.refusals import InvalidSpec, from_engine, invalid, validated
 from thetascope.runs.specs.spec_files import Document, DocumentError, parse
 from thetascope_schemas.experiment.plant import Plant
@@ -21,7 +22,8 @@ _MOST = 20
 def check_text(text: str, language: str) -> PlantTextCheck:
     """Return the errors of a plant's text, and without errors the plant, its sizes and its equations.
 
-    Every expression is read, also after one with an error. Sentences and prose are in a language.
+    Every expression is read, also after one with an error. Terms whose units do not fit are warnings. Sentences and
+    prose are in a language.
     """
     text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     try:
@@ -38,7 +40,7 @@ def check_text(text: str, language: str) -> PlantTextCheck:
     errors = [_found(document, one, language) for one in _engine_errors(plant, data)]
     if errors:
         return _answer(document, errors, language)
-    return _answer(document, [], language, plant)
+    return _answer(document, [_unit(document, one, language) for one in mismatches(plant)], language, plant)
 
 
 def readable(text: str) -> tuple[Document | None, Plant | None]:
@@ -102,6 +104,15 @@ def _neutral(data: Any, field: str) -> bool:
         return False
     data[last] = neutral
     return True
+
+
+def _unit(document: Document, wrong: Mismatch, language: str) -> TextError:
+    """Return the warning about a term whose unit does not fit."""
+    term = wrong.text[wrong.start : wrong.end]
+    args = {"problem": wrong.problem.as_data(), "column": wrong.start + 1}
+    args["remedy"] = Message(f"{wrong.problem.code}.remedy", **wrong.problem.args).as_data()
+    error = FieldError(field=wrong.field, value=term, code="expression.at", args=args, problem="", remedy="")
+    return _found(document, error, language).model_copy(update={"severity": "warning", "fix": None})
 
 
 def _found(document: Document, error: FieldError, language: str) -> TextError:

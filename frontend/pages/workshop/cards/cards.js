@@ -113,9 +113,13 @@ function picture(plant, state, editor) {
  * @param {Parameters<typeof mountCards>[4]} point
  */
 function lines(answer, warnings, point) {
-  /** @param {service.EquationLine} line @param {'dynamics' | 'outputs' | null} field */
-  const row = (line, field) => {
-    const wrong = warnings.find((one) => one.field.endsWith(`.${line.name}`) || one.field === `dynamics.${line.name}`);
+  /**
+   * @param {service.EquationLine} line
+   * @param {'dynamics' | 'outputs' | null} field
+   * @param {string} path   of its text
+   */
+  const row = (line, field, path) => {
+    const wrong = warnings.find((one) => one.field === path);
     const about = wrong ? wrong.problem : [named(line.description), line.unit].filter(Boolean).join(', ');
     const inner = [mathml(line.math), h('span', {class: wrong ? 'wrong-unit' : 'soft'}, about)];
     if (!field) return h('div', {class: 'eq'}, inner);
@@ -135,10 +139,10 @@ function lines(answer, warnings, point) {
     h(
       'div',
       {class: 'eqs'},
-      answer.states.map((line) => row(line, 'dynamics')),
-      answer.definitions.map((line) => row(line, null)),
-      answer.outputs.map((line) => row(line, 'outputs')),
-      answer.controllers.map((line) => row(line, null)),
+      answer.states.map((line) => row(line, 'dynamics', `dynamics.${line.name}`)),
+      answer.definitions.map((line, place) => row(line, null, `definitions[${place}].expression`)),
+      answer.outputs.map((line, place) => row(line, 'outputs', `outputs[${place}].expression`)),
+      answer.controllers.map((line) => row(line, null, '')),
     ),
   );
 }
