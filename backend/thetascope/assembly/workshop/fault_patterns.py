@@ -143,7 +143,7 @@ class _Patterns:
             kind,
             1.0,
             bounds=[0, 1],
-            states=[{"name": lag, "unit": unit, "initial": initial}],
+            states=[{"name": lag, "initial": initial} | ({"unit": unit} if unit else {})],
             parameters=[{"name": time, "value": nice(_SLOW * self.spec.horizon), "unit": "s", "bounds": [1e-6, None]}],
             equations={lag: f"({text} - {lag})/{time}"},
         )
