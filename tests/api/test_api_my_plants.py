@@ -8,6 +8,7 @@ from tests.api.conftest import service
 from tests.api.test_api_owners import KEY, browser
 from tests.runs.plants.test_text_check import TEXT
 from thetascope.client import Client, ServiceError
+from thetascope_schemas.service.plants.trial import FaultPatterns, PlantTrial
 
 RUN = {"horizon": 1, "step": 0.01, "record": 0.5}
 
@@ -109,6 +110,25 @@ def test_a_draft_is_refused_with_its_error(client):
     save(client, "tank-e", "id: [")
     with pytest.raises(ServiceError, match="cannot be read"):
         client.post("/api/runs", {**RUN, "plant": "tank-e"})
+
+
+def test_facts_about_a_plant_match_their_models(client):
+    """An experiment that suits it can be run as it is; patterns of faults can be added to its text."""
+    save(client, "tank-g", text("tank-g"))
+    trial = PlantTrial.model_validate(client.post("/api/plants/trial", {"plant": "tank-g", "parameters": {"A": 100}}))
+    assert trial.experiment.parameters == {"A": 100} and trial.experiment.observers == ()
+    assert trial.preview.outputs.keys() == {"y1"} and trial.preview.faulty.keys() == {"leak"}
+    spec = trial.experiment.model_dump(mode="json") | {"observers": [{"label": "o", "kind": "joint-ekf"}]}
+    assert client.post("/api/runs?wait=60", spec)["status"] == "done"
+    asked = {"plant": "tank-g", "name": "h2"}
+    first = FaultPatterns.model_validate(client.post("/api/plants/fault-patterns", asked)).patterns[0]
+    assert (first.pattern, first.term, first.conserved) == ("loss", "q12", {"h1": "q12/A"})
+    channel = first.channel.model_dump(mode="json", exclude_unset=True)
+    edited = client.post("/api/plants/edit-text", {"text": text("tank-g"), "channels": [channel]})
+    assert edited["lines"] and check(client, edited["text"])["sizes"]["channels"] == 2
+    assert client.get("/api/plants/dts200/text?lang=zh")["text"].startswith("id: dts200\ntitle: 三")
+    with pytest.raises(ServiceError, match="z has no equation"):
+        client.post("/api/plants/fault-patterns", {"plant": "tank-g", "name": "z"})
 
 
 def test_a_plant_is_found_from_another_browser_and_deleted_by_its_owner(tmp_path):

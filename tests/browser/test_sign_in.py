@@ -74,14 +74,14 @@ def test_the_link_opens_the_live_page_and_a_new_key_leads_back_to_it(visitor, gu
 
 def test_the_form_works_without_scripts_on_a_phone(visitor, guarded):
     """A page that needs the key leads to the form, a wrong key back to it, the right one to the page."""
-    page = visitor("/plants/?plant=contois", java_script_enabled=False, viewport=PHONE, color_scheme="dark")
+    page = visitor("/workshop/?plant=contois", java_script_enabled=False, viewport=PHONE, color_scheme="dark")
     assert urlsplit(page.url).path == "/sign-in"
     page.get_by_label("Access key").fill("wrong")
     page.get_by_label("Access key").press("Enter")
     page.get_by_role("alert").wait_for()
     page.get_by_label("Access key").fill(guarded.key)
     page.get_by_label("Access key").press("Enter")
-    page.wait_for_url("**/plants/?plant=contois")
+    page.wait_for_url("**/workshop/?plant=contois")
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

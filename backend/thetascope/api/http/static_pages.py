@@ -61,9 +61,10 @@ async def docs_script() -> Response:
 
 @router.get("/plants")
 @router.get("/plants/")
-async def plants_page() -> Response:
+async def plants_page(request: Request) -> Response:
     """Send the address that the page of plants had to the workshop."""
-    return RedirectResponse("/workshop/", 308)
+    query = f"?{request.url.query}" if request.url.query else ""
+    return RedirectResponse(f"/workshop/{query}", 308)
 
 
 @router.get("/assets/{name}")
