@@ -149,7 +149,7 @@ def _line(run: FigureData, log: bool, traces: Sequence, place: int) -> Line:
         y,
         f"{_name(run, trace)} {escape(label)}",
         colour,
-        mathematical(escape(trace.label)) or legend,
+        mathematical(escape(run.text(trace.label))) or legend,
         dash,
         final=plain,
         layer=-run.labels.index(label),

@@ -6,6 +6,8 @@ import {fill, h} from '../../common/dom.js';
 import {figureOf, image, show} from './plotly-figure.js';
 import {wanted} from './axis-view.js';
 import {named, t} from '../../i18n/words.js';
+import {refused} from '../actions.js';
+import {openStrip} from './paper-strip.js';
 
 /** @import {App, Strip} from '../types.js' */
 
@@ -82,6 +84,13 @@ export async function openFigure(app, name) {
     h('a', {href: address, download: `${app.state.spec?.id}-${strip.name.replaceAll('.', '-')}.${format}`}).click();
     setTimeout(() => URL.revokeObjectURL(address), 10_000);
   };
+  async function forPaper() {
+    try {
+      await openStrip(app, strip);
+    } catch (error) {
+      fill(plot, h('p', {class: 'alarm'}, refused(error)));
+    }
+  }
   /** @param {string} words @param {() => void} act */
   const button = (words, act) => h('button', {type: 'button', class: 'quiet', onclick: act}, words);
   const dialog = h(
@@ -101,6 +110,7 @@ export async function openFigure(app, name) {
       h('span', {class: 'grow'}),
       button('PNG', () => keep('png')),
       button('SVG', () => keep('svg')),
+      app.state.role !== 'view' && button(t('page.paper.open'), forPaper),
       button(t('page.action.close'), () => dialog.close()),
     ),
     plot,

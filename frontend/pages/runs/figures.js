@@ -5,6 +5,7 @@ import {connection, get, reason} from '../../common/api.js';
 import {fill, h, query} from '../../common/dom.js';
 import {plotlyLocale} from '../../i18n/plotly-locale.js';
 import {named, t} from '../../i18n/words.js';
+import {openPaper} from '../../widgets/paper/paper-dialog.js';
 
 /** @import {FigureBox, Run, RunState, RunStore} from '../types.js' */
 
@@ -143,7 +144,17 @@ export function mountFigures(root, store) {
       drawn: null,
       section: h('figure', {class: 'card', id: `figure-${one.name}`, 'data-name': one.name}),
     };
-    box.section.append(h('h2', {}, named(one.title)), box.caption, plot);
+    const paper = h(
+      'button',
+      {
+        type: 'button',
+        class: 'quiet',
+        'aria-label': t('page.paper.open-of', {figure: named(one.title)}),
+        onclick: () => openPaper(box.address, named(one.title)),
+      },
+      t('page.paper.open'),
+    );
+    box.section.append(h('div', {class: 'heading'}, h('h2', {}, named(one.title)), paper), box.caption, plot);
     boxes.set(one.name, box);
     return box;
   }

@@ -280,3 +280,20 @@ def test_a_run_names_how_the_simulated_plant_differs_from_the_model(page):
     words = opened.inner_text(".reality")
     assert all(part in words for part in ("2 % off", "process noise of x₁", "10 % of the samples", "-0.01*x2"))
     assert "truth.dynamics.x2=-0.01*x2" in opened.inner_text(".side")
+
+
+def test_a_figure_for_a_paper_is_previewed_and_downloaded(kept_page):
+    """The preview is the server's SVG; an option that is chosen is in the command and in the file."""
+    page = drawn(kept_page)
+    page.click("#figure-faults .heading button")
+    until(page, "document.querySelector('.paper-dialog')?.dataset.state === 'drawn'")
+    assert "Ready for a journal" in page.inner_text(".paper-dialog .preview")
+    assert page.evaluate("document.querySelector('.paper-dialog img').naturalWidth") == round(8.5 / 2.54 * 96)
+    page.get_by_role("button", name="17.5 cm").click()
+    until(page, "document.querySelector('.paper-dialog form code').textContent.includes('--width 17.5')")
+    page.click(".paper-dialog footer .segments button >> nth=1")
+    with page.expect_download() as download:
+        page.click(".paper-dialog footer .run")
+    assert 'width="496.06' in download.value.path().read_text()
+    page.keyboard.press("Escape")
+    assert page.locator(".paper-dialog").count() == 0 and page.watch.errors == []
