@@ -113,6 +113,7 @@ export function mount(element, app) {
       all.length === 0 &&
         state.broken === null &&
         state.plant.channels.length > 0 &&
+        !state.spec?.truth?.record &&
         h(
           'p',
           {class: 'soft'},

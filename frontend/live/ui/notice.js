@@ -126,6 +126,7 @@ function inTheWay(app) {
     default:
   }
   if (!state.ended) return null;
+  if (state.spec?.truth?.record) return {kind: 'note', words: t('page.notice.record-end')};
   if (state.broken === null) return {kind: 'note', words: t('page.notice.horizon')};
   const [faults, at] = [under(state), timed(state.broken, spec?.horizon)];
   const before = Math.max(0, state.broken - Math.max(BEFORE * state.broken, 10 * state.record));
