@@ -6,7 +6,16 @@ import {findingsCsv} from '../../frontend/pages/records/findings/findings-csv.js
 import {yamlOf} from '../../frontend/pages/records/fit/plant-yaml.js';
 import {destination, moved} from '../../frontend/pages/records/fit/stretch.js';
 import {percent, span, withInterval} from '../../frontend/pages/records/numbers.js';
-import {apart, heights, line, path, range, widened} from '../../frontend/pages/records/picture/curves.js';
+import {
+  apart,
+  area,
+  heights,
+  line,
+  path,
+  range,
+  rangeOfCurves,
+  widened,
+} from '../../frontend/pages/records/picture/curves.js';
 
 test('an axis shows all values, its line, and nothing beyond the largest that is asked for', () => {
   const [low, high] = range([1, null, 2], [3, null, 9]);
@@ -106,4 +115,18 @@ test('a plant is written as YAML: short parts in a line, texts in quotes where n
     text.includes('    domain: [0, null]\n') && text.includes('parameters: [{name: A, value: 1.0e-7, unit: cm²}]\n'),
   );
   assert.ok(text.includes('dynamics: {h: "(q - out)/A", "y": "-1e-7*h"}\n'));
+});
+
+test('the area of a band is closed, and has a part for each stretch without a gap', () => {
+  const height = heights([0, 10]);
+  const drawn = area([0, 1, 2, 3, 4], [0, 0, null, 0, 0], [10, 10, 10, 10, 10], 4, height);
+  assert.equal(drawn, 'M0.0 100.0L250.0 100.0L250.0 0.0L0.0 0.0ZM750.0 100.0L1000.0 100.0L1000.0 0.0L750.0 0.0Z');
+  assert.equal(area([0, 1], [null, 1], [1, 2], 1, height), '', 'a single row has no area');
+});
+
+test('the range of estimates leaves out how they settle, and shows zero', () => {
+  const values = Array.from({length: 100}, (_, k) => (k < 10 ? 1000 : 2));
+  const [low, high] = rangeOfCurves([{values}], true);
+  assert.ok(low < 0 && high > 2 && high < 3);
+  assert.ok(rangeOfCurves([{values}])[0] > 1, 'without zero the axis begins near the values');
 });

@@ -220,4 +220,6 @@ def build(run: FigureData, name: str) -> Drawing:
     strips = _BUILD[name](run)
     if not strips:
         raise KeyError(name)
-    return Drawing(run.say(f"figure.{name}"), run.say(f"figure.{name}.caption"), strips)
+    recorded = run.spec.truth.record is not None and name in ("faults", "states")
+    caption = f"figure.{name}.caption-record" if recorded else f"figure.{name}.caption"
+    return Drawing(run.say(f"figure.{name}"), run.say(caption), strips)

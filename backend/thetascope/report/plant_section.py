@@ -63,8 +63,16 @@ def timeline(report: ReportContext) -> Markup:
         faults=report.table(head, rows, 2),
         noise=report.joined(noise),
         truth=report.joined(list(_truth(report, spec.truth))),
+        record=_recorded(report, spec.truth),
         changed=_changed_truth(report, spec),
     )
+
+
+def _recorded(report: ReportContext, truth: Truth) -> Markup | str:
+    """Return a sentence on the record that takes the place of the simulated plant, if there is one."""
+    if truth.record is None:
+        return ""
+    return report.say("report.truth.record", name=truth.record.name or "–", id=mark("code", truth.record.id[:12]))
 
 
 def _changed_truth(report: ReportContext, spec: Experiment) -> Markup | str:
@@ -78,8 +86,6 @@ def _changed_truth(report: ReportContext, spec: Experiment) -> Markup | str:
 
 def _truth(report: ReportContext, truth: Truth) -> Iterator[Markup]:
     """Yield the ways in which the simulated plant differs from the model."""
-    if truth.record is not None:
-        yield report.say("report.truth.record", name=truth.record.name or "–", id=mark("code", truth.record.id[:12]))
     if truth.deviation:
         yield report.say("report.truth.deviation", percent=number(100 * truth.deviation))
     for name, value in truth.parameters.items():

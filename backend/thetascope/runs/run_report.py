@@ -13,4 +13,7 @@ def report_html(finished: Finished, command: str | None = None, language: str = 
     snapshot = finished.snapshot
     created = datetime.fromtimestamp(snapshot.created, UTC).strftime("%Y-%m-%d %H:%M UTC")
     about = {"id": snapshot.id, "created": created, "command": command}
-    return report(finished.result, snapshot.spec, plant_of(snapshot.spec.plant), about, language)
+    plant = plant_of(snapshot.spec.plant)
+    if snapshot.spec.truth.record is not None:
+        plant = plant.without_controllers
+    return report(finished.result, snapshot.spec, plant, about, language)
