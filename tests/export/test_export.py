@@ -14,7 +14,16 @@ from scipy.io import loadmat
 
 from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import Result
-from thetascope.export import Table, comparison_csv, csv_chunks, json_bytes, matlab_bytes, matlab_names, select
+from thetascope.export import (
+    Table,
+    comparison_csv,
+    csv_chunks,
+    json_bytes,
+    json_chunks,
+    matlab_bytes,
+    matlab_names,
+    select,
+)
 from thetascope.export.csv_format import as_text
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.comparison import Comparison
@@ -58,6 +67,17 @@ def test_json_has_columns_with_null_for_missing_values():
     """NaN is not valid JSON."""
     table = Table(("t", "x"), np.array([[0.0, 1.0], [np.nan, 0.1]]))
     assert orjson.loads(json_bytes(table)) == {"rows": 2, "columns": {"t": [0.0, 1.0], "x": [None, 0.1]}}
+
+
+def test_json_does_not_depend_on_the_pieces():
+    """20 001 rows are several pieces of each column; they are what orjson makes of the whole columns."""
+    table = select(result(20_001))
+    columns = {name: np.ascontiguousarray(column) for name, column in zip(table.names, table.data, strict=True)}
+    whole = orjson.dumps({"rows": table.rows, "columns": columns}, option=orjson.OPT_SERIALIZE_NUMPY)
+    assert json_bytes(table) == whole and max(len(piece) for piece in json_chunks(table)) < 200_000
+    found = orjson.loads(json_bytes(table, "bdata"))["columns"]
+    for name, column in columns.items():
+        assert found[name]["dtype"] == "f8" and base64.b64decode(found[name]["bdata"]) == column.tobytes()
 
 
 def test_json_bdata_is_little_endian_float64_for_strided_views():

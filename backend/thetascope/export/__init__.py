@@ -2,7 +2,7 @@
 
 from thetascope.export.comparison_csv import comparison_csv
 from thetascope.export.csv_format import csv_chunks
-from thetascope.export.json_format import json_bytes
+from thetascope.export.json_format import json_bytes, json_chunks
 from thetascope.export.mat_format import matlab_bytes, matlab_names
 from thetascope.export.parquet_format import parquet_bytes
 from thetascope.export.selection import Table, indices, select
@@ -22,6 +22,7 @@ __all__ = [
     "csv_chunks",
     "indices",
     "json_bytes",
+    "json_chunks",
     "matlab_bytes",
     "matlab_names",
     "parquet_bytes",

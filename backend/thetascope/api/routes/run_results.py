@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Query, Request
 from starlette.responses import HTMLResponse, Response, StreamingResponse
 
-from thetascope.api.http.answers import from_result, json_response, run_links
+from thetascope.api.http.answers import from_result, in_pieces, json_response, run_links
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.services import Use
@@ -15,7 +15,7 @@ from thetascope.export import (
     Table,
     comparison_csv,
     csv_chunks,
-    json_bytes,
+    json_chunks,
     matlab_bytes,
     parquet_bytes,
     select,
@@ -149,17 +149,15 @@ async def get_report(
             "Content-Security-Policy": REPORT_POLICY,
             "Content-Disposition": f'{place}; filename="{finished.snapshot.spec.id}-{id[:8]}.html"',
         }
-        return Response(report_html(finished, None, language), 200, headers, "text/html; charset=utf-8")
+        return in_pieces(report_html(finished, None, language).encode(), headers, "text/html; charset=utf-8")
 
     return await from_result(request, services, id, make)
 
 
 def _written(table: Table, format: str, encoding: str, headers: dict[str, str]) -> Response:
-    """Return the table in the requested format; CSV is sent in blocks, so that it is never in memory in full."""
+    """Return the table in the requested format; CSV and JSON are made as they are sent, and never in memory in full."""
     kind = MEDIA_TYPES[format]
-    if format == "csv":
-        return StreamingResponse(csv_chunks(table), 200, headers, kind)
-    if format == "parquet":
-        return Response(parquet_bytes(table), 200, headers, kind)
-    content = matlab_bytes(table) if format == "mat" else json_bytes(table, encoding)
-    return Response(content, 200, headers, kind)
+    if format in ("csv", "json"):
+        chunks = csv_chunks(table) if format == "csv" else json_chunks(table, encoding)
+        return StreamingResponse(chunks, 200, headers, kind)
+    return in_pieces(parquet_bytes(table) if format == "parquet" else matlab_bytes(table), headers, kind)
