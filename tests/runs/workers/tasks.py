@@ -50,10 +50,15 @@ def gives_way() -> bool:
     return os.sched_getscheduler(0) == os.SCHED_IDLE
 
 
-def gives_way_at(path: str, mark: object = None) -> tuple[int, bool]:
-    """Return the process and whether it gives way, once a file exists."""
+def comes_after_others() -> bool:
+    """Return whether this process has a low priority, compared with the process that it is a copy of."""
+    return gives_way() or os.nice(0) - os.getpriority(os.PRIO_PROCESS, os.getppid()) >= 8
+
+
+def comes_after_others_at(path: str, mark: object = None) -> bool:
+    """Return whether this process has a low priority, once a file exists."""
     wait_for(path)
-    return os.getpid(), gives_way()
+    return comes_after_others()
 
 
 def until_it_gives_way(seconds: float, mark: object = None) -> bool:
@@ -62,6 +67,14 @@ def until_it_gives_way(seconds: float, mark: object = None) -> bool:
     while not gives_way() and time.monotonic() < until:
         time.sleep(0.01)
     return gives_way()
+
+
+def until_it_comes_after_others(seconds: float, mark: object = None) -> bool:
+    """Wait until this process has a low priority; return whether it has within a time."""
+    until = time.monotonic() + seconds
+    while not comes_after_others() and time.monotonic() < until:
+        time.sleep(0.01)
+    return comes_after_others()
 
 
 def gives_way_after(seconds: float) -> bool:

@@ -14,22 +14,23 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="other systems h
 
 
 def test_one_computation_of_a_client_has_full_priority_while_others_are_there(start, tmp_path):
-    """Its further ones get what is left, also when the first has ended; the other client's has full priority."""
+    """Its further ones come after those of others; the other client's has full priority."""
     workers = start(places=3)
     gate = tmp_path / "gate"
     assert outcome(workers.call(tasks.add, 1, 1, client="other")) == 2
-    several = [workers.call(tasks.gives_way_at, str(gate), mark, client="one") for mark in range(3)]
-    assert outcome(workers.call(tasks.gives_way, client="other")) is False
+    several = [workers.call(tasks.comes_after_others_at, str(gate), mark, client="one") for mark in range(3)]
+    workers.note_request("other")
+    assert outcome(workers.call(tasks.comes_after_others, client="other")) is False
     gate.touch()
-    answers = [outcome(computation) for computation in several]
-    assert sorted(gave_way for _, gave_way in answers) == [False, True, True]
+    assert sorted(outcome(computation) for computation in several) == [False, True, True]
 
 
 def test_a_client_alone_gives_way_to_nobody_until_another_comes(start):
-    """Several computations at the same time have full priority; then all but one give way, whatever the other needs."""
+    """Several computations at the same time have full priority; then one of them comes after others."""
     workers = start(places=2)
-    assert [outcome(c) for c in [workers.call(tasks.until_it_gives_way, 0.3, k) for k in range(2)]] == [False, False]
-    pair = [workers.call(tasks.until_it_gives_way, TIMEOUT, mark) for mark in range(2)]
+    alone = [workers.call(tasks.until_it_comes_after_others, 0.3, mark) for mark in range(2)]
+    assert [outcome(computation) for computation in alone] == [False, False]
+    pair = [workers.call(tasks.until_it_comes_after_others, TIMEOUT, mark) for mark in range(2)]
     workers.note_request("other")  # for example, it opens a session, for which no worker is needed
     done, _ = wait([computation.result for computation in pair], TIMEOUT, FIRST_COMPLETED)
     assert [future.result() for future in done] == [True]
@@ -43,17 +44,17 @@ def test_what_takes_long_gives_way(start, monkeypatch):
     workers = start()
     workers.note_request("other")
     assert outcome(workers.submit(tasks.run_until_it_gives_way, TIMEOUT, client="one", long=True)) is True
-    assert outcome(workers.call(tasks.gives_way_after, 1.0, client="two")) is True
+    assert outcome(workers.call(tasks.gives_way_after, 0.3, client="two")) is True
 
 
-def test_a_client_of_long_computations_gives_way_from_the_begin_and_has_its_own_workers(start, monkeypatch):
+def test_a_client_of_long_computations_gives_way_from_the_begin_and_has_its_own_workers(start):
     """After two of them. Its worker is used again for it, and never for others."""
-    monkeypatch.setattr(pool, "MOMENT", 0.1)
     workers = start()
+    for _ in range(2):
+        workers._precedence.note_long("one")
     workers.note_request("other")
-    for mark in range(2):
-        outcome(workers.call(tasks.spin, 0.6, mark, client="one"))
     assert outcome(workers.call(tasks.gives_way, client="one")) is True
+    workers.note_request("other")
     own = outcome(workers.call(tasks.process_id, client="one"))
     assert outcome(workers.call(tasks.gives_way, client="other")) is False
     assert outcome(workers.call(tasks.process_id, client="other")) != own

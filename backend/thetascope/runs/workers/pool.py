@@ -30,6 +30,9 @@ MOMENT = 2.0
 """Seconds of processor time after which a computation leaves the quick lane."""
 _GIVE_WAY = ((MOMENT, 10), (8.0, 19))
 """Nice values, by the seconds of processor time that a computation has used: the longer, the more it gives way."""
+_SHORT, _FURTHER = 0.5, 10
+"""Seconds of processor time for which a client's further computations have this nice value while others are there;
+then they get what is left. So many clients with a few short ones each do not end each other's."""
 _LOOK = 0.05
 """Seconds between two looks at a computation: at its limits, and whether it was cancelled."""
 _PATIENCE = 6
@@ -282,8 +285,8 @@ class Workers:
     def _give_way(self, turn: Turn, seconds: float = 0.0) -> int:
         """Return the nice value of a computation that took so many seconds; its process has it from now on.
 
-        While others are there one short computation of each client has the priority of theirs. Its further ones, and
-        long ones, get what is left.
+        While others are there one short computation of each client has the priority of theirs. Its further ones come
+        after those of others, and long ones get what is left.
         """
         computation, process = turn.computation, turn.process
         client = computation.client
@@ -294,19 +297,23 @@ class Workers:
                 self._precedence.note_long(client)
             if not computation.trusted:
                 turn.nice = max(turn.nice, *(nice for since, nice in _GIVE_WAY if seconds > since), 0)
-                if self._precedence.others(client) and (
-                    computation.long
-                    or computation.took_long
-                    or self._precedence.gives_way(client)
-                    or any(t.computation.client == client and t.nice < LEFTOVERS for t in self._turns - {turn})
-                ):
-                    turn.nice = LEFTOVERS
+                if self._precedence.others(client):
+                    turn.nice = max(turn.nice, self._behind_others(turn, seconds))
         if process is not None and turn.nice > process.nice:
             replace = not process.nice
             process.give_way(turn.nice)
             if replace:
                 self._replace()
         return turn.nice
+
+    def _behind_others(self, turn: Turn, seconds: float) -> int:
+        """Return the nice value of a computation while another client is there; the caller has the lock."""
+        computation, client = turn.computation, turn.computation.client
+        if computation.long or computation.took_long or self._precedence.gives_way(client):
+            return LEFTOVERS
+        if any(t.computation.client == client and t.nice < _FURTHER for t in self._turns - {turn}):
+            return LEFTOVERS if seconds > _SHORT else _FURTHER
+        return LEFTOVERS if turn.nice >= _FURTHER and seconds > _SHORT else 0
 
     def _must_end(self, computation: Computation) -> Exception | None:
         """Return why a computation that runs is ended now, or None."""
