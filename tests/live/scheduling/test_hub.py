@@ -23,14 +23,14 @@ def test_sessions_on_the_same_experiment_do_not_know_of_each_other(tmp_path):
 
     async def scenario() -> None:
         hub = Hub(Settings(data=tmp_path), Workers(1, Limits(20.0, 20.0, 1 << 30), 8))
-        given = spec(evaluate=0.01)
+        given = library.resolve(spec(evaluate=0.01))
         try:
             one, two = [await hub.create(lambda: given, play=False) for _ in range(2)]
             fault = {"channel": "gain", "shape": "step", "onset": 0, "size": 0.3}
             one.session.handle(COMMAND.validate_python({"type": "inject", "id": 1, "fault": fault}))
             one.session.advance(50)
             third = await hub.create(lambda: given, play=False, t=0.5)
-            alone = Session(library.resolve(given))
+            alone = Session(given)
             alone.advance(51)
             for room, rows in ((two, 1), (third, 51)):
                 assert room.session.row == rows and len(room.session.spec.faults) == len(given.faults)
@@ -47,9 +47,10 @@ def test_sessions_that_are_opened_concurrently_are_all_opened(tmp_path):
     """Each of many concurrent requests gets a session of its own."""
 
     async def scenario() -> None:
+        given = library.resolve(spec(evaluate=0.01))
         hub = Hub(Settings(data=tmp_path), Workers(1, Limits(20.0, 20.0, 1 << 30), 8))
         try:
-            rooms = await asyncio.gather(*(hub.create(lambda: spec(evaluate=0.01), play=False) for _ in range(12)))
+            rooms = await asyncio.gather(*(hub.create(lambda: given, play=False) for _ in range(12)))
             assert len({room.id for room in rooms}) == len(hub) == 12
             assert len({id(room.session) for room in rooms}) == 12
         finally:

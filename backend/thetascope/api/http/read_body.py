@@ -1,18 +1,27 @@
 """Read the body of a request: check its type and size first, and parse it off the event loop."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, TypeVar
 
-import orjson
 from fastapi import Request
+from pydantic import BaseModel
 from starlette.concurrency import run_in_threadpool
 
 from thetascope.access.principal import principal_of
+from thetascope.api.http.computed import computed
 from thetascope.api.http.problems import BodyProblem
+from thetascope.api.http.services import Services
 from thetascope.messages import Message
-from thetascope.runs.specs.refusals import invalid
+from thetascope.runs.specs.refusals import validated
+from thetascope.runs.specs.sent_texts import json_of, valid_json
 
 Value = TypeVar("Value")
+Model = TypeVar("Model", bound=BaseModel)
+
+_LARGE = 64 * 1024
+"""Bytes above which a body is checked in a worker process. Python's lock is not released while it is parsed: the
+largest that is allowed would take it from all others for a second."""
 
 
 async def read_body(request: Request, limit: int) -> bytes:
@@ -36,27 +45,31 @@ async def read_bytes(request: Request, limit: int) -> bytes:
     return bytes(body)
 
 
-async def parsed(request: Request, limit: int, parse: Callable[[Any], Value]) -> Value:
-    """Return the value of `parse` for the body's JSON, computed in a worker thread.
+async def parsed(
+    request: Request,
+    services: Services,
+    read: Callable[[Any], Model],
+    then: Callable[[Model], Value] = lambda value: value,
+) -> Value:
+    """Return the value of `then` for the model that `read` makes of the body's JSON, computed in a worker thread.
 
-    Where the body names a plant that the client has saved, `parse` gets it in full.
+    Where the body names a plant that the client has saved, `read` gets it in full. It is a function of a module: a
+    large body is checked in a worker process first, and what it says is short then.
     """
-    body = await read_body(request, limit)
-    return await run_in_threadpool(lambda: parse(with_plants(request, json_of(body))))
+    body = await read_body(request, services.settings.max_body)
+    if len(body) > _LARGE:
+        body = await computed(request, services, valid_json, body, read)
+    return await run_in_threadpool(lambda: then(read(with_plants(request, json_of(body)))))
+
+
+async def parsed_as(request: Request, services: Services, model: type[Model]) -> Model:
+    """Return the model of the body's JSON. Raises InvalidSpec, BodyProblem."""
+    return await parsed(request, services, partial(validated, model))
 
 
 def with_plants(request: Request, data: Any) -> Any:
     """Return the JSON data of a body with the client's saved plants in full. Raises Unknown, InvalidSpec."""
     return request.app.state.services.my_plants.in_full(data, principal_of(request.scope))
-
-
-def json_of(body: bytes) -> Any:
-    """Return the JSON data of a body. Raises InvalidSpec with the place of the error."""
-    try:
-        return orjson.loads(body)
-    except orjson.JSONDecodeError as error:
-        problem = Message("body.json", line=error.lineno, column=error.colno, detail=error.msg)
-        raise invalid("", body[:60].decode(errors="replace"), problem) from None
 
 
 def _too_large(size: int, limit: int) -> BodyProblem:

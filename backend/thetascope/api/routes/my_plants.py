@@ -11,16 +11,15 @@ from thetascope.api.http.answers import json_response
 from thetascope.api.http.computed import computed
 from thetascope.api.http.language import Language, Prose
 from thetascope.api.http.problems import documented
-from thetascope.api.http.read_body import body_schema, parsed, read_bytes
+from thetascope.api.http.read_body import body_schema, parsed_as, read_bytes
 from thetascope.api.http.services import Services, Use
 from thetascope.api.operation.request_log import audit
 from thetascope.messages import Message
 from thetascope.runs.plants.plant_text import plant_data, yaml_text
 from thetascope.runs.plants.text_check import check_text
-from thetascope.runs.plants.text_edit import Edited, converted, edited
-from thetascope.runs.specs.refusals import Busy, OverLimit, invalid, validated
+from thetascope.runs.plants.text_edit import edited_as
+from thetascope.runs.specs.refusals import Busy, OverLimit, invalid
 from thetascope.runs.specs.resolve_spec import plant_of
-from thetascope.runs.specs.spec_files import DocumentError
 from thetascope.runs.workers.limits import Crashed, LimitReached
 from thetascope.store import PlantVersion
 from thetascope_schemas.service.plants.saved import MyPlant, MyPlantList
@@ -53,16 +52,7 @@ async def check_plant_text(request: Request, services: Use, language: Language) 
 )
 async def edit_plant_text(request: Request, services: Use) -> Response:
     """Change a plant's text without touching the rest: numbers, further items of lists, equations; or convert it."""
-
-    def work(data: Any) -> Edited:
-        asked = validated(TextEdit, data)
-        try:
-            changed = edited(asked.text, asked.values, asked.items_by_list(), asked.equations)
-            return changed if asked.format is None else Edited(converted(changed.text, asked.format), changed.lines)
-        except DocumentError as error:
-            raise invalid("text", None, error.problem, error.remedy) from None
-
-    changed = await parsed(request, services.settings.max_body, work)
+    changed = await computed(request, services, edited_as, await parsed_as(request, services, TextEdit))
     return json_response({"text": changed.text, "lines": changed.lines})
 
 

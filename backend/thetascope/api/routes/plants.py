@@ -1,9 +1,6 @@
 """/api/plants and /api/experiments: the library, and checking a plant."""
 
-from typing import Any
-
 from fastapi import APIRouter, Request
-from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from thetascope import library
@@ -12,12 +9,10 @@ from thetascope.api.http.answers import json_response
 from thetascope.api.http.computed import computed
 from thetascope.api.http.language import Language, Prose
 from thetascope.api.http.problems import documented
-from thetascope.api.http.read_body import body_schema, parsed, read_bytes
+from thetascope.api.http.read_body import body_schema, parsed_as, read_bytes
 from thetascope.api.http.services import Use
-from thetascope.messages import Message
-from thetascope.runs.specs.refusals import invalid, validated
 from thetascope.runs.specs.resolve_spec import library_experiment, plant_of
-from thetascope.runs.specs.spec_files import DocumentError, parse
+from thetascope.runs.specs.sent_texts import plant_of_text
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.answers import ExperimentList, PlantCheck, PlantList
@@ -86,7 +81,7 @@ async def check_plant(request: Request, services: Use, language: Language) -> Re
 
     from thetascope.assembly import check_plant  # imports SymPy, so it is not imported at the start of the service
 
-    plant = await parsed(request, services.settings.max_body, lambda data: validated(Plant, data))
+    plant = await parsed_as(request, services, Plant)
     return json_response(await computed(request, services, check_plant, plant, language))
 
 
@@ -100,23 +95,8 @@ async def check_plant(request: Request, services: Use, language: Language) -> Re
 async def read_plant(request: Request, services: Use) -> Response:
     """Return a plant that is written as YAML or JSON in full, as other requests take it in JSON."""
     text = await read_bytes(request, services.settings.max_body)
-    plant = await run_in_threadpool(lambda: validated(Plant, _data_of(text)))
+    plant = await computed(request, services, plant_of_text, text)
     return Response(plant.model_dump_json(context={"language": ALL}), media_type="application/json")
-
-
-def _data_of(body: bytes) -> Any:
-    """Return the data of YAML or JSON text. Raises InvalidSpec with line and column."""
-    try:
-        return parse(body.decode("utf-8-sig")).data
-    except UnicodeDecodeError as error:
-        raise invalid("", None, Message("document.no-utf8", name="plant", byte=error.start)) from None
-    except DocumentError as error:
-        if error.place is None:
-            raise invalid("", None, error.problem, error.remedy) from None
-        line, column = error.place.line, error.place.column
-        raise invalid(
-            "", None, Message("document.at", line=line, column=column, problem=error.problem), error.remedy
-        ) from None
 
 
 @router.get("/experiments", response_model=ExperimentList, tags=["experiments"])

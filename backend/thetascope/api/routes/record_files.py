@@ -1,8 +1,7 @@
 """/api/records: upload records, inspect them, map their columns to a plant, draw them, and remove them."""
 
-from typing import Annotated, Any
+from typing import Annotated
 
-import orjson
 from fastapi import APIRouter, Query, Request
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
@@ -12,15 +11,16 @@ from thetascope.api.http.answers import json_response
 from thetascope.api.http.computed import check_cpu, computed
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
-from thetascope.api.http.read_body import body_schema, json_of, parsed, read_body, read_bytes, with_plants
+from thetascope.api.http.read_body import body_schema, parsed_as, read_body, read_bytes
 from thetascope.api.http.services import Services, Use
 from thetascope.api.operation.request_log import audit
 from thetascope.engine.errors import SpecError
 from thetascope.live.wire.localize import encode
 from thetascope.messages import Message
 from thetascope.runs.records.record_files import RecordFile
-from thetascope.runs.specs.refusals import Unknown, from_engine, invalid, validated
+from thetascope.runs.specs.refusals import Unknown, from_engine
 from thetascope.runs.specs.resolve_spec import plant_of
+from thetascope.runs.specs.sent_texts import record_of
 from thetascope_schemas.experiment.measurement import ColumnMapping
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.answers import RecordList
@@ -59,8 +59,7 @@ async def create_record(
     by = principal_of(request.scope)
     mapping = ColumnMapping()
     if name is None:
-        body = await read_body(request, services.settings.max_record)
-        name, data, record = await run_in_threadpool(lambda: _of_json(with_plants(request, json_of(body))))
+        name, data, record = await record_in(request, services)
         choice, mapping = record.plant, record.mapping
     else:
         data, choice = await read_bytes(request, services.settings.max_record), plant
@@ -72,19 +71,16 @@ async def create_record(
     return _answer(_with_id(inspection, stored.id), language, 201)
 
 
-def _of_json(data: Any) -> tuple[str, bytes, Record]:
-    """Return the name and bytes of a record in JSON, and the record."""
-    record = validated(Record, data)
-    return *record_bytes(record), record
+async def record_in(request: Request, services: Services) -> tuple[str, bytes, Record]:
+    """Return a record in JSON as the name and bytes of a file, and the record without its samples, its plant in full.
 
-
-def record_bytes(record: Record) -> tuple[str, bytes]:
-    """Return name and bytes of a record that came as JSON; columns become a JSON file of columns."""
-    if (record.csv is None) == (record.columns is None):
-        raise invalid("columns", None, Message("record.columns-or-csv"))
-    if record.csv is not None:
-        return "record.csv", record.csv.encode()
-    return "record.json", orjson.dumps(record.columns)
+    It is read in a worker process: millions of samples take seconds.
+    """
+    body = await read_body(request, services.settings.max_record)
+    name, data, record = await computed(request, services, record_of, body)
+    by = principal_of(request.scope)
+    plant = await run_in_threadpool(lambda: services.my_plants.plant(record.plant, by))
+    return name, data, record.model_copy(update={"plant": plant})
 
 
 @router.get("", response_model=RecordList)
@@ -122,7 +118,7 @@ async def get_record(request: Request, id: str, services: Use, language: Languag
 )
 async def map_record(request: Request, id: str, services: Use, language: Language) -> Response:
     """Choose a plant and change the mapping; return the inspection. What is not given is guessed again."""
-    asked = await parsed(request, services.settings.max_body, lambda data: validated(MappingRequest, data))
+    asked = await parsed_as(request, services, MappingRequest)
     known = await _found(request, services, id)
     plant = plant_of(asked.plant)
     changed = RecordFile(id, known.name, known.data, plant, asked.mapping)

@@ -1,6 +1,7 @@
 """/api/diagnosis and /api/records/…/diagnosis: diagnose a record; /api/observability: can faults be told apart?"""
 
 from collections.abc import Callable
+from functools import partial
 from typing import TypeVar
 
 from fastapi import APIRouter, Request
@@ -11,9 +12,9 @@ from thetascope.access.principal import principal_of
 from thetascope.api.http.computed import computed, limits_for
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
-from thetascope.api.http.read_body import body_schema, parsed
+from thetascope.api.http.read_body import body_schema, parsed, parsed_as
 from thetascope.api.http.services import Services, Use
-from thetascope.api.routes.record_files import record_bytes
+from thetascope.api.routes.record_files import record_in
 from thetascope.api.routes.runs import Wait, answered
 from thetascope.engine.errors import SpecError
 from thetascope.live.wire.localize import encode
@@ -22,7 +23,7 @@ from thetascope.runs.specs.refusals import from_engine, validated
 from thetascope.runs.specs.resolve_spec import plant_of, resolved
 from thetascope_schemas.experiment.diagnosis import Observability
 from thetascope_schemas.experiment.experiment import Experiment
-from thetascope_schemas.service.record import Record, RecordRunRequest
+from thetascope_schemas.service.record import RecordRunRequest
 from thetascope_schemas.service.record_diagnosis import RecordDiagnosis, RecordDiagnosisRequest, RecordFit
 from thetascope_schemas.service.run import Progress, Run
 
@@ -40,8 +41,7 @@ async def diagnose_record(request: Request, services: Use, language: Language) -
     """Diagnose a record that is not stored: does the model fit, and which faults does it show?"""
     from thetascope.assembly.analyses.record_diagnosis import diagnose_file  # imports the engine
 
-    record = await parsed(request, services.settings.max_record, lambda data: validated(Record, data))
-    name, data = record_bytes(record)
+    name, data, record = await record_in(request, services)
     given = (name, data, plant_of(record.plant), record.mapping, record.settings)
     return await _computed(request, services, language, diagnose_file, *given)
 
@@ -96,7 +96,7 @@ async def run_observers(request: Request, id: str, services: Use, language: Lang
     """
     from thetascope.assembly import RecordBytes, record_experiment  # imports the engine
 
-    asked = await parsed(request, services.settings.max_body, lambda data: validated(RecordRunRequest, data))
+    asked = await parsed_as(request, services, RecordRunRequest)
     by, most = principal_of(request.scope), limits_for(request, services).runs
     plant, record = plant_of(asked.plant), await run_in_threadpool(lambda: services.records.get(id, by))
     key = answer_key(id, plant, asked.mapping, asked.settings)
@@ -121,7 +121,7 @@ async def observe(request: Request, services: Use, language: Language) -> Respon
     """Return how well the outputs determine states and faults: structural rank; rank and condition along the run."""
     from thetascope.assembly.analyses.observability_report import observability
 
-    spec = await parsed(request, services.settings.max_body, lambda data: resolved(validated(Experiment, data)))
+    spec = await parsed(request, services, partial(validated, Experiment), resolved)
     spec = await run_in_threadpool(services.with_record, spec)
     try:
         report = await computed(request, services, observability, spec)
@@ -132,7 +132,7 @@ async def observe(request: Request, services: Use, language: Language) -> Respon
 
 async def _given(request: Request, services: Services, id: str) -> tuple:
     """Return name and bytes of a stored record, and the plant, mapping and settings that were posted."""
-    asked = await parsed(request, services.settings.max_body, lambda data: validated(RecordDiagnosisRequest, data))
+    asked = await parsed_as(request, services, RecordDiagnosisRequest)
     plant = plant_of(asked.plant)
     record = await run_in_threadpool(lambda: services.records.get(id, principal_of(request.scope)))
     return record.name, record.data, plant, asked.mapping, asked.settings

@@ -19,6 +19,7 @@ from thetascope.api.operation.request_log import audit
 from thetascope.runs.jobs.job import Job, Snapshot
 from thetascope.runs.specs.run_requests import parse_request
 from thetascope.store import Damaged
+from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.service.answers import RunList
 from thetascope_schemas.service.run import Progress, Run
 
@@ -49,14 +50,13 @@ async def create_run(request: Request, services: Use, language: Language, wait: 
 
     The run's id is the hash of the spec, so posting the same spec again returns the stored run.
     """
-    settings = services.settings
     check_cpu(request, services)
     by, most = principal_of(request.scope), limits_for(request, services).runs
 
-    def submit(data: object) -> Snapshot | Job:
-        return services.runs.submit(parse_request(data), by, most)
+    def submit(spec: Experiment) -> Snapshot | Job:
+        return services.runs.submit(spec, by, most)
 
-    return await answered(request, services, language, await parsed(request, settings.max_body, submit), wait)
+    return await answered(request, services, language, await parsed(request, services, parse_request, submit), wait)
 
 
 async def answered(

@@ -10,7 +10,7 @@ from starlette.responses import Response, StreamingResponse
 from starlette.routing import WebSocketRoute
 
 from thetascope.access.principal import principal_of
-from thetascope.api.http.answers import ended, json_response, progress_response, run_response
+from thetascope.api.http.answers import ended, in_pieces, json_response, progress_response, run_response
 from thetascope.api.http.computed import (
     check_cpu,
     client_of,
@@ -21,14 +21,14 @@ from thetascope.api.http.computed import (
 )
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import PROBLEM, documented, problem_response
-from thetascope.api.http.read_body import body_schema, json_of, parsed, read_body
+from thetascope.api.http.read_body import body_schema, parsed_as, read_body
 from thetascope.api.http.request_bodies import ForkRequest, SessionRequest
 from thetascope.api.http.services import Services, Use
 from thetascope.api.operation.request_log import audit
 from thetascope.api.routes import table_query
 from thetascope.api.routes.session_stream import Stream, matches
 from thetascope.engine.errors import SpecError, Unwatchable
-from thetascope.export import MEDIA_TYPES, Table, csv_chunks, indices, json_bytes, matlab_bytes
+from thetascope.export import MEDIA_TYPES, Table, csv_chunks, indices, json_chunks, matlab_bytes
 from thetascope.live.facts.window_comparison import window_comparison
 from thetascope.live.room.advice import propose_input_for
 from thetascope.live.scheduling.hub import TooManySessions
@@ -37,6 +37,7 @@ from thetascope.messages import Message
 from thetascope.runs.jobs.job import Snapshot
 from thetascope.runs.specs.problem_documents import problem
 from thetascope.runs.specs.refusals import NotReady, Unknown, from_engine, invalid, validated
+from thetascope.runs.specs.sent_texts import json_of
 from thetascope_schemas.experiment.diagnosis import InputProposal
 from thetascope_schemas.experiment.experiment import ResolvedExperiment
 from thetascope_schemas.service.answers import SessionOpened, SessionState
@@ -66,7 +67,7 @@ def links(id: str) -> dict[str, str]:
 )
 async def create_session(request: Request, services: Use, language: Language) -> Response:
     """Open a session. The token grants control; the address without it permits viewing only."""
-    body = await parsed(request, services.settings.max_body, lambda data: validated(SessionRequest, data))
+    body = await parsed_as(request, services, SessionRequest)
 
     async def rehearse(spec: ResolvedExperiment) -> None:
         from thetascope.live.scheduling.rehearsal import rehearse_opening  # imports SymPy
@@ -249,9 +250,9 @@ async def get_session_data(
         return StreamingResponse(csv_chunks(table), 200, _named(id, "csv"), MEDIA_TYPES["csv"])
     if format == "mat":
         content = await run_in_threadpool(matlab_bytes, table)
-        return Response(content, 200, _named(id, "mat"), MEDIA_TYPES["mat"])
-    content = await run_in_threadpool(json_bytes, table, "bdata" if format == "bdata" else "plain")
-    return Response(content, 200, {}, MEDIA_TYPES["json"])
+        return in_pieces(content, _named(id, "mat"), MEDIA_TYPES["mat"])
+    chunks = json_chunks(table, "bdata" if format == "bdata" else "plain")
+    return StreamingResponse(chunks, 200, {}, MEDIA_TYPES["json"])
 
 
 def _room(services: Services, id: str) -> Any:

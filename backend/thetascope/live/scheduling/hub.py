@@ -287,14 +287,15 @@ class Hub:
 
 
 def _in_pool(pool: ThreadPoolExecutor, loop: asyncio.AbstractEventLoop) -> Background:
-    """Return the function that runs a job in a pool and its callback on the loop."""
+    """Return the function that runs a job in a pool and its callback on the loop; neither once the pool has ended."""
 
     def run(job: Job, then: Callback) -> None:
         def work() -> None:
             answer = outcome(job)
             loop.call_soon_threadsafe(partial(then, *answer))
 
-        pool.submit(work)
+        with suppress(RuntimeError):  # the service ends
+            pool.submit(work)
 
     return run
 

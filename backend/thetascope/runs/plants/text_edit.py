@@ -9,8 +9,9 @@ import yaml
 
 from thetascope.runs.plants.plant_text import block_item, flow, json_text, yaml_text
 from thetascope.runs.plants.text_check import format_of
-from thetascope.runs.specs.spec_files import Document, parse
-from thetascope_schemas.service.plants.text import TextFormat
+from thetascope.runs.specs.refusals import invalid
+from thetascope.runs.specs.spec_files import Document, DocumentError, parse
+from thetascope_schemas.service.plants.text import TextEdit, TextFormat
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,15 @@ def edited(
     for name, expression in equations.items():
         text = _with_equation(parse(text), name, expression)
     return Edited(text, _new_lines(before, text.split("\n")))
+
+
+def edited_as(asked: TextEdit) -> Edited:
+    """Return a text with the changes of a request, in the format of the request. Raises InvalidSpec."""
+    try:
+        changed = edited(asked.text, asked.values, asked.items_by_list(), asked.equations)
+        return changed if asked.format is None else Edited(converted(changed.text, asked.format), changed.lines)
+    except DocumentError as error:
+        raise invalid("text", None, error.problem, error.remedy) from None
 
 
 def _with_value(document: Document, path: str, value: float) -> str:

@@ -8,11 +8,10 @@ from starlette.responses import Response
 from thetascope.api.http.answers import from_result
 from thetascope.api.http.computed import computed
 from thetascope.api.http.problems import documented
-from thetascope.api.http.read_body import body_schema, parsed
+from thetascope.api.http.read_body import body_schema, parsed_as
 from thetascope.api.http.services import Services, Use
 from thetascope.runs.jobs.job import Finished
 from thetascope.runs.printed_figure import MEDIA_TYPES, Print, drawn, prepare
-from thetascope.runs.specs.refusals import validated
 from thetascope_schemas.service.figures.printed_figure import PrintedFigure, PrintSettings
 
 router = APIRouter(prefix="/runs/{id}", tags=["results"])
@@ -42,7 +41,7 @@ async def get_printed_figure(
 )
 async def post_printed_figure(request: Request, id: str, name: str, services: Use) -> Response:
     """Return the same for options in the body."""
-    settings = await parsed(request, services.settings.max_body, lambda data: validated(PrintSettings, data))
+    settings = await parsed_as(request, services, PrintSettings)
     return await _answer(request, services, id, name, settings)
 
 

@@ -1,7 +1,5 @@
 """/api/equations: the equations of a plant and of observers, as MathML."""
 
-from typing import Any
-
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
@@ -9,14 +7,12 @@ from thetascope.api.http.answers import json_response
 from thetascope.api.http.computed import computed
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
-from thetascope.api.http.read_body import body_schema, parsed
+from thetascope.api.http.read_body import body_schema, parsed_as
 from thetascope.api.http.request_bodies import EquationsRequest
 from thetascope.api.http.services import Use
 from thetascope.assembly.analyses.equations import equations_of
 from thetascope.engine.observers.registry import kinds
-from thetascope.runs.specs.refusals import validated
 from thetascope.runs.specs.resolve_spec import plant_of
-from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.answers import Equations
 
 router = APIRouter(tags=["equations"])
@@ -36,10 +32,6 @@ def get_equations(id: str, language: Language) -> Response:
 )
 async def post_equations(request: Request, services: Use, language: Language) -> Response:
     """Return the equations of a plant (in full, or a library id) and of the named kinds of observers (default: all)."""
-
-    def read(data: Any) -> tuple[Plant, tuple[str, ...]]:
-        question = validated(EquationsRequest, data)
-        return plant_of(question.plant), kinds() if question.observers is None else question.observers
-
-    plant, chosen = await parsed(request, services.settings.max_body, read)
-    return json_response(await computed(request, services, equations_of, plant, chosen, language))
+    asked = await parsed_as(request, services, EquationsRequest)
+    chosen = kinds() if asked.observers is None else asked.observers
+    return json_response(await computed(request, services, equations_of, plant_of(asked.plant), chosen, language))

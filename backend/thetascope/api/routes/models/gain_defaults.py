@@ -1,5 +1,7 @@
 """/api/gains: the gains of observers, with defaults computed for the plant and its noise."""
 
+from functools import partial
+
 from fastapi import APIRouter, Request
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
@@ -25,7 +27,7 @@ async def gains(request: Request, services: Use) -> Response:
 
     from thetascope.assembly.analyses.gains import present_gains  # imports SymPy, so the service starts without it
 
-    spec = await parsed(request, services.settings.max_body, lambda data: resolved(validated(Experiment, data)))
+    spec = await parsed(request, services, partial(validated, Experiment), resolved)
     spec = await run_in_threadpool(services.with_record, spec)
     gains, labels = await computed(request, services, present_gains, spec)
     return json_response({"gains": gains, "labels": labels})

@@ -9,11 +9,11 @@ from starlette.responses import Response
 from thetascope.api.http.computed import computed
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
-from thetascope.api.http.read_body import body_schema, parsed
+from thetascope.api.http.read_body import body_schema, parsed_as
 from thetascope.api.http.services import Services, Use
 from thetascope.engine.errors import SpecError
 from thetascope.live.wire.localize import encode
-from thetascope.runs.specs.refusals import from_engine, validated
+from thetascope.runs.specs.refusals import from_engine
 from thetascope.runs.specs.resolve_spec import plant_of
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.plants.trial import (
@@ -57,13 +57,9 @@ async def suggest_faults(request: Request, services: Use, language: Language) ->
     """Return the faults that may act in the equation of a state or output: loss, leak, bias, gain, lag."""
     from thetascope.assembly.workshop.answers import patterns_of
 
-    def read(data: Any) -> tuple[Plant, str]:
-        asked = validated(FaultPatternRequest, data)
-        return plant_of(asked.plant), asked.name
-
-    plant, name = await parsed(request, services.settings.max_body, read)
+    asked = await parsed_as(request, services, FaultPatternRequest)
     try:
-        answer = await computed(request, services, patterns_of, plant, name)
+        answer = await computed(request, services, patterns_of, plant_of(asked.plant), asked.name)
     except SpecError as error:
         raise from_engine(error, True) from None
     return Response(encode(answer, language), media_type="application/json")
@@ -73,15 +69,10 @@ async def _answer(
     request: Request, services: Services, language: str, work: Callable[[Plant, dict[str, Any]], Answer]
 ) -> Response:
     """Return the answer of work in a worker process on the posted plant."""
-
-    def read(data: Any) -> tuple[Plant, dict[str, Any]]:
-        asked = validated(PlantTrialRequest, data)
-        changes = {"parameters": asked.parameters, "initial": asked.initial, "inputs": asked.inputs}
-        return plant_of(asked.plant), changes
-
-    plant, changes = await parsed(request, services.settings.max_body, read)
+    asked = await parsed_as(request, services, PlantTrialRequest)
+    changes = {"parameters": asked.parameters, "initial": asked.initial, "inputs": asked.inputs}
     try:
-        answer = await computed(request, services, work, plant, changes)
+        answer = await computed(request, services, work, plant_of(asked.plant), changes)
     except SpecError as error:
         raise from_engine(error, True) from None
     return Response(encode(answer, language), media_type="application/json")
