@@ -22,6 +22,20 @@ def test_intervals_hold_where_a_fault_reaches_the_output_through_an_integration(
     assert size.held >= 6 and onset.held >= 6
 
 
+@pytest.mark.parametrize(
+    ("name", "first", "least"),
+    [
+        ("friction that grows", 20_049, 7),  # its onset is first estimated up to a second late
+        ("orbit", 20_028, 8),  # the interval of its size reaches further down than up
+    ],
+)
+def test_intervals_hold_where_simpler_ones_do_not(name, first, least):
+    """Data since shortly before the first estimate of the onset, or symmetric intervals, miss three of these eight."""
+    size, onset, _ = count(name, range(first, first + 8))
+    assert size.held >= least - 1 and onset.held >= least - 1
+    assert (onset if name.startswith("friction") else size).held >= least
+
+
 def test_a_sensor_fault_between_two_rows_began_up_to_a_row_earlier():
     """The fault at 15.004 s shows in the row of 15.01 s, without doubt: the interval is the row before."""
     alarms = prepare(library.resolve(experiment("sensor of a linear plant"))).run().diagnosis["detector"]["alarms"]

@@ -29,7 +29,7 @@ def believing(made, table, t, size: float):
     level = now.known.level.copy()
     level[0] = size
     fault = Finding(
-        AT - 50, 0, (), AT - 50.0, AT - 50.0, AT - 50.0, 2 * size, 0.1 * size, 50.0, settled=(size, 0.01 * size)
+        AT - 50, 0, (), AT - 50.0, AT - 50.0, AT - 50.0, 2 * size, 0.1 * size, 50.0, settled=(size, 0.01 * size, 0.0)
     )
     silent = Finding(AT, None, (), AT, AT, AT, np.nan, np.nan, 10.0, output=0)
     known = replace(now.known.plus((), AT), level=level)

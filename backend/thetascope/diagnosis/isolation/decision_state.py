@@ -29,10 +29,11 @@ class Finding:
         alternatives: other channels that explain the data equally well.
         onset, onset_from, onset_to: estimated onset and its 95 % interval.
         size, deviation: estimated size and its standard deviation.
+        skew: how far the middle of the size's interval is from the size.
         statistic: value of the test statistic when the alarm was raised.
         output: index of the faulty output if `channel` is None.
         cleared: decision at which the fault was over; None while it is on.
-        settled: (size, deviation) at the last time without a recent change; it is reported once the fault is over.
+        settled: (size, deviation, skew) at the last time without a recent change, which is reported once it is over.
         initial: (size, deviation) when the fault was first isolated.
     """
 
@@ -47,8 +48,9 @@ class Finding:
     statistic: float
     output: int | None = None
     cleared: int | None = None
-    settled: tuple[float, float] | None = None
+    settled: tuple[float, float, float] | None = None
     initial: tuple[float, float] | None = None
+    skew: float = 0.0
 
 
 @dataclass(frozen=True)

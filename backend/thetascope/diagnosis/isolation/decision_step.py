@@ -97,7 +97,7 @@ def _with_current_sizes(state: DecisionState, bounds: ThetaBounds) -> DecisionSt
             present = float(size[finding.channel])
             # the deviation grows with the size: the slope is as certain as before
             growth = max(1.0, abs(present / finding.size)) if finding.size else 1.0
-            findings[i] = replace(finding, size=present, deviation=finding.deviation * growth)
+            findings[i] = replace(finding, size=present, deviation=finding.deviation * growth, skew=0.0)
     return replace(state, findings=tuple(findings))
 
 

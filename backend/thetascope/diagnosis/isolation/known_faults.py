@@ -32,7 +32,9 @@ GONE = 0.2  # of its size: a fault whose estimate falls below this is over
 CERTAIN = 2.0  # standard deviations of that size: what it exceeds zero by more than this is certain
 LEAST = 4  # decisions that isolation takes at least: over one, a single outlier resembles any fault
 SOON = 20  # decisions after a fault was isolated during which it is not taken to have changed
-BEFORE = 64  # decisions before an onset, at least, that are kept: the first estimate of an onset may be late
+BEFORE = (
+    200  # decisions before an onset, at least, that are kept: its first estimate may be late, and its interval long
+)
 RECENT = 100  # decisions: an output that fails again within this time was faulty throughout
 
 
@@ -64,7 +66,7 @@ def commit_fit(state: DecisionState, evidence: Evidence, fit: Explanation) -> St
         i = next((entry.finding for entry in entries if entry.event == event), None)
         if i is None:  # merged into another event, which will be estimated again
             continue
-        deviation = yield from _deviation(state, evidence, window, fit, k, i, before)
+        deviation, skew = (yield from _deviation(state, evidence, window, fit, k, i, before)), 0.0
         # whether it is over does not depend on when it began
         vanished_size = _size_if_vanished(
             state, event, i, deviation, before.get(i, state.findings[i]), state.at - fit.onset
@@ -77,12 +79,12 @@ def commit_fit(state: DecisionState, evidence: Evidence, fit: Explanation) -> St
         else:
             if not event.rise_time:
                 own = next(entry.own for entry in entries if entry.event == event)
-                state, refined[event], deviation = yield from _with_onset_interval(
+                state, refined[event], deviation, skew = yield from _with_onset_interval(
                     state, evidence, fit, k, i, own, before, deviation
                 )
             size = float(known.level[event.channel]) + refined.get(event, event).size - event.size
             initial = state.findings[i].initial or (size, deviation)
-            finding = replace(state.findings[i], size=size, deviation=deviation, initial=initial)
+            finding = replace(state.findings[i], size=size, deviation=deviation, skew=skew, initial=initial)
             state = with_finding(state, i, finding)
     if any(step != event for event, step in refined.items()):
         state = yield from _with_refined_steps(state, evidence, tentative, refined)
@@ -128,7 +130,7 @@ def with_settled_size(finding: Finding) -> Finding:
     """Return a finding with the size that it had at the last time without a recent change, if there was one."""
     if finding.settled is None:
         return finding
-    return replace(finding, size=finding.settled[0], deviation=finding.settled[1])
+    return replace(finding, size=finding.settled[0], deviation=finding.settled[1], skew=finding.settled[2])
 
 
 def _remember_settled(state: DecisionState, entries: tuple[TentativeEvent, ...]) -> DecisionState:
@@ -139,7 +141,7 @@ def _remember_settled(state: DecisionState, entries: tuple[TentativeEvent, ...])
     changing = {entry.finding for entry in entries if not entry.own and state.at - entry.event.onset < RECENT}
     for i in set(state.active) - changing:
         finding = state.findings[i]
-        state = with_finding(state, i, replace(finding, settled=(finding.size, finding.deviation)))
+        state = with_finding(state, i, replace(finding, settled=(finding.size, finding.deviation, finding.skew)))
     return state
 
 
@@ -188,9 +190,9 @@ def _with_onset_interval(
     own: bool,
     before: dict[int, Finding],
     deviation: float,
-) -> Steps[tuple[DecisionState, Event, float]]:
+) -> Steps[tuple[DecisionState, Event, float, float]]:
     """Return the state with the interval of the onset of finding `i`, and step `k` with its best onset and size, and
-    the deviation of that size.
+    the deviation and skew of that size.
 
     Args:
         state, evidence, fit, k, i, before: as in `_deviation`.
@@ -203,12 +205,13 @@ def _with_onset_interval(
     width = finding.onset_to - finding.onset_from if own else 1.0
     uncertain = yield from step_uncertainty(window, fit.events, k, width)
     if uncertain is None:
-        return state, event, deviation
+        return state, event, deviation, 0.0
     if own:
         finding = replace(finding, onset=uncertain.onset, onset_from=uncertain.earliest, onset_to=uncertain.latest)
-    variance = uncertain.variance + passed_on(fit, k, list(before.values()), uncertain.variance)
+    variance = uncertain.deviation**2
+    variance += passed_on(fit, k, list(before.values()), variance)
     base = base_deviation(state.tentative.base, event, before.get(i, finding))
-    return with_finding(state, i, finding), uncertain.step, float(np.hypot(variance**0.5, base))
+    return with_finding(state, i, finding), uncertain.step, float(np.hypot(variance**0.5, base)), uncertain.skew
 
 
 def _merge_ramp(tentative: TentativeEvents, fit: Explanation) -> TentativeEvents:

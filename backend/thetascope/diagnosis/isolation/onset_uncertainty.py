@@ -1,4 +1,4 @@
-"""The interval of a step's onset and the standard deviation of its size, both estimated from the same data.
+"""The intervals of a step's onset and of its size, both estimated from the same data.
 
 An onset that is wrong by a row leaves an error of the state estimate that takes time to decay, and the fitted size
 compensates it: both errors belong together. The energy E(τ) left after fitting all sizes with the onset at τ is, up to
@@ -9,9 +9,12 @@ not that of χ². It is simulated: to first order the innovations at onset τ ar
     E(τ) = const − s(τ)²/J(τ, τ),   s(τ) = a J(τ, τ₀) + g(τ),   g ~ N(0, M),
 
 where J(τ, τ') = Σ Ω(τ)ᵀΩ(τ') and M is the covariance of Σ Ωᵀν for the declared measurement noise alone
-(engine/estimation/noise_response.py). Random g give the level, and the standard deviation of the size s/J at the best
-onset. The interval of the onset contains all τ at which E, evaluated by running the filter, is below its minimum plus
-this level.
+(engine/estimation/noise_response.py). Random g give the level. The interval of the onset contains all τ at which E,
+evaluated by running the filter, is below its minimum plus this level.
+
+An earlier onset goes with a smaller size, so the interval of the size follows from the same energies. With the size a
+it is E(τ) + J(τ, τ) (a − s/J)², and random g give the 95 % level of its minimum over τ, for the true size, above the
+minimum over τ and a. All sizes for which it is below that level belong to the interval, which need not be symmetric.
 
 A fault that acts on the derivative of a state shows continuously: an onset between two rows is a smaller share of the
 first row. A fault that acts on an output directly, or in discrete time, shows in whole rows; its interval begins one
@@ -39,20 +42,23 @@ _REGULAR = 3.84  # the level of a regular likelihood, at which E is resolved bef
 _SAMPLES = 4000  # simulated errors
 _JITTER = 1e-12  # added to their correlation, which is singular where the fault does not show at all
 _CONFIDENCE = 0.95
+_QUANTILE = 1.959964  # of a normal distribution
 
 
 @dataclass(frozen=True)
 class StepUncertainty:
-    """The onset of a step and its interval in decisions, the step that begins there, and the variance of its size.
+    """The onset of a step and its interval in decisions, the step that begins there, and the interval of its size.
 
-    Between two rows `step` rises within one row.
+    Between two rows `step` rises within one row. The interval of the size is that of a normal distribution with a
+    standard deviation around the size plus `skew`.
     """
 
     onset: float
     earliest: float
     latest: float
     step: Event
-    variance: float
+    deviation: float
+    skew: float
 
 
 def step_uncertainty(
@@ -73,7 +79,7 @@ def step_uncertainty(
     if len(onsets) < 2:
         return None
     profile = yield from search.evaluate(onsets, np.full(len(onsets), events[k].size))
-    level, variance, simulated = _REGULAR, 0.0, 0
+    level, sizes, simulated = _REGULAR, (0.0, 0.0), 0
     for last in range(_ROUNDS - 1, -1, -1):
         added = search.within(_missing(profile, level, search)) if last else onsets[:0]
         if not len(added) and simulated < len(profile.onsets):
@@ -81,14 +87,16 @@ def step_uncertainty(
             if not scores.response[profile.best].any():
                 return None
             yield
-            level, variance = _simulated(scores, search.others, profile.best, float(profile.size[profile.best]))
+            errors = _Errors.of(scores, search.others)
+            level, of_size = errors.levels(profile.best, float(profile.size[profile.best]))
+            sizes = _size_interval(profile, errors.root, of_size)
             simulated = len(profile.onsets)
             added = search.within(_missing(profile, level, search)) if last else added
         if not len(added):
             break
         more = yield from search.evaluate(added, np.interp(added, profile.onsets, profile.size))
         profile = profile.joined(more)
-    return _result(profile, profile.excess(level), variance, search)
+    return _result(profile, profile.excess(level), sizes, search)
 
 
 class _Search:
@@ -200,29 +208,40 @@ def _missing(profile: _Profile, level: float, search: _Search) -> np.ndarray:
     return np.array(sorted(added))
 
 
-def _simulated(scores: Scores, others: Scores | None, true: int, size: float) -> tuple[float, float]:
-    """Return the 95 % level of E at the true onset above its minimum, and the mean squared error of the size.
+@dataclass(frozen=True)
+class _Errors:
+    """Simulated errors of steps at onsets.
 
-    Args:
-        scores: of steps at the onsets that are tried.
-        others: of the other events, whose sizes are fitted too; None without other events.
-        true, size: the place of the true onset, and the true size.
+    Attributes:
+        response: (onsets, numbers), Ω along the rows, without the part that the other events explain.
+        root: (onsets,), √J.
+        noise: (onsets, samples), g/√J.
     """
-    response, noise = scores.response, scores.noise
-    if others is not None:
-        share = response @ others.response.T @ pseudo_inverse(others.response @ others.response.T)
-        response, noise = response - share @ others.response, noise - share @ others.noise
-    root = np.sqrt(np.maximum(np.einsum("ij,ij->i", response, response), 1e-300))  # of J(τ, τ)
-    scale = np.maximum(np.sqrt(np.einsum("ij,ij->i", noise, noise)), 1e-300)
-    noise = noise / scale[:, None]
-    correlation = noise @ noise.T + _JITTER * np.eye(len(root))
-    scaled = (np.linalg.cholesky(correlation) * (scale / root)[:, None]) @ _normal(len(root))  # s/√J
-    scaled += (size * (response @ response[true]) / root)[:, None]
-    explained = scaled**2
-    best = explained.argmax(axis=0), np.arange(_SAMPLES)
-    above = explained[best] - explained[true]
-    fitted = scaled[best] / root[best[0]]
-    return float(np.quantile(above, _CONFIDENCE)), float(np.mean((fitted - size) ** 2))
+
+    response: np.ndarray
+    root: np.ndarray
+    noise: np.ndarray
+
+    @classmethod
+    def of(cls, scores: Scores, others: Scores | None) -> "_Errors":
+        """Return the errors by the scores of steps, and of the other events, whose sizes are fitted too."""
+        response, noise = scores.response, scores.noise
+        if others is not None:
+            share = response @ others.response.T @ pseudo_inverse(others.response @ others.response.T)
+            response, noise = response - share @ others.response, noise - share @ others.noise
+        root = np.sqrt(np.maximum(np.einsum("ij,ij->i", response, response), 1e-300))
+        scale = np.maximum(np.sqrt(np.einsum("ij,ij->i", noise, noise)), 1e-300)
+        noise = noise / scale[:, None]
+        correlation = noise @ noise.T + _JITTER * np.eye(len(root))
+        return cls(response, root, (np.linalg.cholesky(correlation) * (scale / root)[:, None]) @ _normal(len(root)))
+
+    def levels(self, true: int, size: float) -> tuple[float, float]:
+        """Return the 95 % levels of E at a true step above its minimum: at the onset, and with the size."""
+        scaled = self.noise + (size * (self.response @ self.response[true]) / self.root)[:, None]  # s/√J
+        explained, reach = scaled**2, (size * self.root)[:, None]
+        most, with_size = explained.max(axis=0), ((2 * reach) * scaled - reach**2).max(axis=0)
+        of_onset, of_size = (np.quantile(most - e, _CONFIDENCE) for e in (explained[true], with_size))
+        return float(of_onset), float(of_size)
 
 
 @lru_cache(maxsize=64)
@@ -231,8 +250,25 @@ def _normal(count: int) -> np.ndarray:
     return np.random.default_rng(count).standard_normal((_SAMPLES, count)).T.copy()
 
 
-def _result(profile: _Profile, excess: np.ndarray, variance: float, search: _Search) -> StepUncertainty:
-    """Return the interval in which `excess` (onsets,) is not above zero, and the step of the best onset."""
+def _size_interval(profile: _Profile, root: np.ndarray, level: float) -> tuple[float, float]:
+    """Return the least and the largest size that some onset allows.
+
+    Args:
+        profile: E and sizes at onsets.
+        root: (onsets,), √J.
+        level: of E with that size above its minimum.
+    """
+    allowed = -profile.excess(level)
+    inside = allowed >= 0
+    half, size = np.sqrt(allowed[inside]) / root[inside], profile.size[inside]
+    return float((size - half).min()), float((size + half).max())
+
+
+def _result(profile: _Profile, excess: np.ndarray, sizes: tuple[float, float], search: _Search) -> StepUncertainty:
+    """Return the interval in which `excess` (onsets,) is not above zero, and the step of the best onset.
+
+    `sizes`: the ends of the interval of the size.
+    """
     onsets, best, row = profile.onsets, profile.best, search.row
     inside = np.flatnonzero(excess <= 0)
     first, last = int(inside[0]), int(inside[-1])
@@ -245,7 +281,8 @@ def _result(profile: _Profile, excess: np.ndarray, variance: float, search: _Sea
         latest = _crossing(onsets, excess, last, last + 1, best)
         onset = min(max(_vertex(onsets, excess, best), earliest), latest)
     step = search.step(onset, float(np.interp(onset, onsets, profile.size)))
-    return StepUncertainty(onset, float(earliest), float(latest), step, variance)
+    deviation, middle = (sizes[1] - sizes[0]) / (2 * _QUANTILE), (sizes[0] + sizes[1]) / 2
+    return StepUncertainty(onset, float(earliest), float(latest), step, deviation, middle - step.size)
 
 
 def _vertex(x: np.ndarray, y: np.ndarray, best: int) -> float:

@@ -64,8 +64,8 @@ def alarm(finding: Finding, detector: Detector, confidence: float, place: int) -
             "output": "",
             "alternatives": tuple(names[i] for i in finding.alternatives),
             "size": finding.size,
-            "size_from": finding.size - width,
-            "size_to": finding.size + width,
+            "size_from": finding.size + finding.skew - width,
+            "size_to": finding.size + finding.skew + width,
             "test": "glr",
             "threshold": thresholds.glr,
         }
