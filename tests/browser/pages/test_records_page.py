@@ -22,10 +22,15 @@ PASTE = """(text) => {
 
 
 def downloaded(page, words: str) -> str:
-    """Choose something to download and return the text of its file."""
+    """Choose something from the list of downloads and return the text of its file."""
     page.evaluate("document.querySelector('#download').open = true")
+    return file_of(page, f".download-list :text('{words}')")
+
+
+def file_of(page, selector: str) -> str:
+    """Click on an element and return the text of the file that it downloads."""
     with page.expect_download() as download:
-        page.click(f".download-list :text('{words}')")
+        page.click(selector)
     return Path(download.value.path()).read_text()
 
 
@@ -205,7 +210,7 @@ def test_the_healthy_stretch_and_the_fit_follow_the_keyboard(page, tmp_path):
     opened.click("#next")
     until(opened, "document.querySelector('#next')?.textContent.startsWith('Find faults')")
     assert opened.locator(".groups").count() == 1
-    plant = parse(downloaded(opened, "button:has-text('YAML')")).data
+    plant = parse(file_of(opened, "button:has-text('YAML')")).data
     fitted = {one["name"]: one["value"] for one in plant["parameters"]}
     assert abs(fitted["s"] - 0.25) < 0.002 and fitted["A"] == 154
     assert opened.watch.errors == []
