@@ -2843,21 +2843,97 @@ export interface Run {
   links: {[name: string]: string};
 }
 
+/** A setting in which a run differs from the library's experiment. */
+export interface RunChange {
+  /** Path of the setting; items of lists by label, channel or output. */
+  path: string;
+  /** Name of the setting. */
+  label: Text;
+  /** Value in the library's experiment; null: it is not given there. */
+  from: number | string | null;
+  /** Value in the run; null: it is not given. */
+  to: number | string | null;
+}
+
+/** How many runs the list has, without filter, and how many were found. */
+export interface RunCounts {
+  all: number;
+  pinned: number;
+  kinds: {[name: string]: number};
+  /** Stored runs that meet the filter. */
+  found: number;
+}
+
+/** A fault of a run and its estimate at a few evenly spaced times. */
+export interface RunCurve {
+  channel: string;
+  /** The fault; null: unknown, in a record. */
+  truth: (number | null)[] | null;
+  estimate: (number | null)[];
+}
+
+/** A group of the runs that were found. */
+export interface RunGroup {
+  /** Id of the experiment, empty without one; or the tags as a JSON list. */
+  key: string;
+  title: string;
+  /** Number of runs of the group that were found. */
+  n: number;
+}
+
 /** A run in a list. */
 export interface RunLine {
   id: string;
   title: string;
   /** damaged: what is stored does not have its checksum; run the experiment again, or remove the run. */
   status: 'queued' | 'running' | 'done' | 'failed' | 'cancelled' | 'damaged';
+  /** Completed share, 0 to 1. */
+  progress: number;
   created: string;
   pinned: boolean;
+  /** Name that this client gave it. */
+  name: string;
+  /** Tags that this client gave it. */
+  tags: (string)[];
+  /** Whether this client may name, tag, pin and remove it. */
+  mine: boolean;
+  /** session: a live session that was saved; record: observers on a record. */
+  kind: 'run' | 'session' | 'record';
+  /** Id of the library's experiment that it follows. */
+  experiment: string | null;
+  /** Id of its plant. */
+  plant: string | null;
+  /** Name of its record. */
+  record: string | null;
+  /** Differences from the library's experiment; null: it follows none. */
+  changes: (RunChange)[] | null;
+  /** The observer whose measures follow. */
+  observer: string | null;
+  /** The state of the RMSE. */
+  state: string | null;
+  /** Root mean square error of the state over the run. */
+  rmse: number | null;
+  /** Median delay in s of the faults found. */
+  delay: number | null;
+  false_alarms: number | null;
+  curve: RunCurve | null;
   links: {[name: string]: string};
 }
 
-/** Runs, newest first, and figures of the store. */
+/** Active runs, then the stored ones; and figures of the store. */
 export interface RunList {
   runs: (RunLine)[];
+  groups: (RunGroup)[];
+  tags: (RunTag)[];
+  counts: RunCounts;
   store: RunUsage;
+}
+
+/** What a client changes about a run of its own; fields that are left out stay. */
+export interface RunNotes {
+  name?: string | null;
+  tags?: (string)[] | null;
+  pinned?: boolean | null;
 }
 
 /** An experiment of the library, with values changed by path. */
@@ -2894,6 +2970,12 @@ export interface RunSummary {
   notes: (Text)[];
   /** Wall time of each stage in s. */
   seconds: {[name: string]: number};
+}
+
+/** A tag with the number of its runs. */
+export interface RunTag {
+  tag: string;
+  n: number;
 }
 
 /** Runs and the space of their results. */

@@ -10,6 +10,7 @@ from thetascope.client import ServiceError
 from thetascope.runs.specs.spec_files import parse
 from thetascope_schemas import Plant
 from thetascope_schemas.service import answers
+from thetascope_schemas.service.notebook.lines import RunList
 
 
 @pytest.mark.parametrize(
@@ -21,7 +22,7 @@ from thetascope_schemas.service import answers
         ("/api/lessons", answers.LessonList),
         ("/api/lessons/zhao-2012", answers.LessonPlan),
         ("/api/equations/zhao-contois", answers.Equations),
-        ("/api/runs", answers.RunList),
+        ("/api/runs", RunList),
     ],
 )
 def test_answers_of_the_library_match_their_models(client, run, path, model):

@@ -47,7 +47,8 @@ def test_a_damaged_page_is_reported_when_it_is_read(tmp_path):
     with database.writing() as connection:
         for i in range(200):
             connection.exec_driver_sql(
-                "INSERT INTO runs VALUES (?, ?, 't', 'done', NULL, NULL, 'e', 1, 0, NULL, NULL)", (f"{i}", "x" * 900)
+                "INSERT INTO runs VALUES (?, ?, 't', 'done', NULL, NULL, 'e', 1, 0, NULL, NULL, NULL)",
+                (f"{i}", "x" * 900),
             )
     database.close()
     content = bytearray(path.read_bytes())

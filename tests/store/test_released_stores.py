@@ -2,7 +2,7 @@
 version 1: a pinned run with its result, a cancelled run, and one that a kill -9 of the service cut off. The CSV is the
 answer of that service to /api/runs/{id}/data. `schema-2.sqlite` was written by the command line: a pinned run with two
 owners, and the CSV that `thetascope run --out` wrote. `schema-3.sqlite` has such a run, too,
-and a record of two owners."""
+and a record of two owners. `schema-4.sqlite` is that store, opened by the next version, which saved a plant twice."""
 
 import shutil
 import sqlite3
@@ -13,7 +13,17 @@ import pytest
 
 from thetascope.export import csv_chunks, select
 from thetascope.runs.jobs.store_rows import snapshot_of
-from thetascope.store import Database, PlantStore, RecordStore, RunStore, StoreError, record_id
+from thetascope.runs.results.run_facts import facts_of_run
+from thetascope.store import (
+    Database,
+    NotebookStore,
+    PlantStore,
+    RecordStore,
+    RunQuery,
+    RunStore,
+    StoreError,
+    record_id,
+)
 
 RELEASED = Path(__file__).parent / "released"
 DONE, CANCELLED, QUEUED = (
@@ -81,17 +91,34 @@ def test_a_store_of_schema_3_keeps_runs_and_records(tmp_path):
     database.close()
 
 
+def test_a_store_of_schema_4_keeps_runs_records_and_plants(tmp_path):
+    """Its run is in the list of runs, with the facts that the notebook writes for it, and nothing is removed."""
+    database = Database(Path(shutil.copy(RELEASED / "schema-4.sqlite", tmp_path / "runs.sqlite")))
+    store, notebook = RunStore(database, 10**9), NotebookStore(database)
+    result = store.get_result(SECOND, THIRD_ENGINE)
+    assert b"".join(csv_chunks(select(result))) == (RELEASED / "schema-3.csv").read_bytes()
+    assert RecordStore(database).data(record_id(RECORD)) == RECORD
+    assert [plant.text for plant in PlantStore(database).versions("machine", "tank")][1] == "id: tank\ntitle: A tank\n"
+    (line,), counts = notebook.page("machine", RunQuery())
+    assert (line.record.id, line.facts, line.owners) == (SECOND, None, {"browser-1", "machine"})
+    assert (counts.all, counts.pinned) == (1, 1) and notebook.without_facts() == [SECOND]
+    snapshot = snapshot_of(store.get(SECOND))
+    notebook.put_facts({SECOND: facts_of_run(snapshot.spec, snapshot.summary)})
+    assert notebook.line("machine", SECOND).facts.shown["plant"] == snapshot.spec.plant_id
+    database.close()
+
+
 def test_an_upgraded_store_has_the_schema_of_a_new_one(path, tmp_path):
     """Columns and indexes are equal, so that later versions need to know one schema only."""
     schemas = []
-    later = [Path(shutil.copy(RELEASED / f"schema-{n}.sqlite", tmp_path / f"{n}.sqlite")) for n in (2, 3)]
+    later = [Path(shutil.copy(RELEASED / f"schema-{n}.sqlite", tmp_path / f"{n}.sqlite")) for n in (2, 3, 4)]
     for place in (path, *later, tmp_path / "new.sqlite"):
         database = Database(place)
         with database.reading() as connection:
             query = "SELECT type, name, tbl_name, sql FROM sqlite_master ORDER BY name"
             schemas.append([tuple(row) for row in connection.exec_driver_sql(query)])
         database.close()
-    assert schemas[0] == schemas[1] == schemas[2] == schemas[3] and len(schemas[0]) > 5
+    assert all(schema == schemas[0] for schema in schemas) and len(schemas[0]) > 5
 
 
 def test_a_damaged_file_of_schema_1_is_refused_and_unchanged(path):

@@ -37,6 +37,7 @@ from thetascope.api.routes import (
 )
 from thetascope.api.routes.figures import printed_figures
 from thetascope.api.routes.models import equations, gain_defaults, plant_trial
+from thetascope.api.routes.notebook import run_lines
 from thetascope.api.sign_in.require_key import RequireKey
 from thetascope.engine.compiler import cache
 from thetascope.server import connections, prewarm
@@ -119,6 +120,7 @@ def _api() -> APIRouter:
         my_plants,
         record_files,
         records,
+        run_lines,
         runs,
         run_results,
         printed_figures,

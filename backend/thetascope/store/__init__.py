@@ -3,6 +3,9 @@
 from thetascope.store.backup import backup, opened, restore
 from thetascope.store.database import Database
 from thetascope.store.errors import Damaged, StoreError
+from thetascope.store.notebook.facts import RunFacts
+from thetascope.store.notebook.listing import RunQuery
+from thetascope.store.notebook_store import Line, NotebookStore
 from thetascope.store.plant_store import PlantStore, PlantVersion
 from thetascope.store.record_store import RecordStore, Share, record_id
 from thetascope.store.run_store import Record, RunStore
@@ -11,10 +14,14 @@ from thetascope.store.verification import Verification, verify
 __all__ = [
     "Damaged",
     "Database",
+    "Line",
+    "NotebookStore",
     "PlantStore",
     "PlantVersion",
     "Record",
     "RecordStore",
+    "RunFacts",
+    "RunQuery",
     "RunStore",
     "Share",
     "StoreError",

@@ -89,4 +89,28 @@ MIGRATIONS: tuple[tuple[str | Callable[[Connection], None], ...], ...] = (
             PRIMARY KEY (owner, id, version)
         )""",
     ),
+    (
+        "ALTER TABLE runs ADD COLUMN removed REAL",
+        "CREATE INDEX runs_listed ON runs (removed, created, id, pinned)",
+        """CREATE TABLE run_facts (
+            run TEXT PRIMARY KEY,
+            experiment TEXT NOT NULL,
+            kind TEXT NOT NULL,
+            rmse REAL,
+            delay REAL,
+            false_alarms INTEGER,
+            words TEXT NOT NULL,
+            numbers TEXT NOT NULL,
+            changes TEXT NOT NULL,
+            shown TEXT NOT NULL
+        )""",
+        """CREATE TABLE run_notes (
+            run TEXT NOT NULL,
+            owner TEXT NOT NULL,
+            name TEXT NOT NULL,
+            tags TEXT NOT NULL,
+            removed REAL,
+            PRIMARY KEY (run, owner)
+        )""",
+    ),
 )

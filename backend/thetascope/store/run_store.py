@@ -17,9 +17,12 @@ from thetascope.store.damaged_rows import rows_one_by_one
 from thetascope.store.database import Database
 from thetascope.store.encoding import decode, encode
 from thetascope.store.errors import Damaged, StoreError
+from thetascope.store.notebook.facts import RunFacts, put_facts
+from thetascope.store.notebook.removal import erase, mark_removed
 from thetascope.store.tables import (
     OWNERS,
     RESULTS,
+    RUN_NOTES,
     RUNS,
     has_result,
     has_spec,
@@ -37,12 +40,19 @@ log = logging.getLogger(__name__)
 _TOUCH_SECONDS = 60.0
 _BY_ID = RUNS.c.id == bindparam("id")
 _RESULT = (RESULTS.c.id == bindparam("id")) & (RESULTS.c.engine == bindparam("engine"))
-_GET = select(RUNS).where(_BY_ID)
-_PAGE = select(RUNS).order_by(desc(RUNS.c.created), RUNS.c.id).limit(bindparam("limit")).offset(bindparam("offset"))
+_THERE = RUNS.c.removed.is_(None)
+_GET = select(RUNS).where(_BY_ID & _THERE)
+_PAGE = (
+    select(RUNS)
+    .where(_THERE)
+    .order_by(desc(RUNS.c.created), RUNS.c.id)
+    .limit(bindparam("limit"))
+    .offset(bindparam("offset"))
+)
 _GET_RESULT = select(RESULTS).where(_RESULT)
 _HAS_RESULT = select(1).where(_RESULT)
 _UNFINISHED = select(RUNS).where(RUNS.c.status.in_(("queued", "running"))).order_by(RUNS.c.created)
-_COUNT = select(func.count()).select_from(RUNS)
+_COUNT = select(func.count()).select_from(RUNS).where(_THERE)
 _SUM = func.coalesce(func.sum(cast(RESULTS.c.size, Float)), 0)  # damaged sizes do not exceed the range of a float
 _SUMS = select(func.count(), _SUM)
 _SIZE = func.length(RESULTS.c.head) + func.length(RESULTS.c.data)
@@ -53,7 +63,7 @@ _CANDIDATES = (
     .where(func.coalesce(RUNS.c.pinned, 0) == 0)
     .order_by(RESULTS.c.used)
 )
-_CHANGED = ("spec", "title", "status", "error", "summary", "engine", "spec_sum", "outcome_sum", "created")
+_CHANGED = ("spec", "title", "status", "error", "summary", "engine", "spec_sum", "outcome_sum", "created", "removed")
 
 
 def _upserts(table: Table, changed: Sequence[str]) -> dict[str, Any]:
@@ -73,6 +83,11 @@ _OWN = {
     "sqlite": sqlite.insert(OWNERS).on_conflict_do_nothing(),
     "postgresql": postgresql.insert(OWNERS).on_conflict_do_nothing(),
 }
+_LIST_AGAIN = (
+    update(RUN_NOTES)
+    .where((RUN_NOTES.c.run == bindparam("id")) & (RUN_NOTES.c.owner == bindparam("by")))
+    .values(removed=None)
+)
 _PUT_RESULT = _upserts(RESULTS, ("used", "size", "rows", "head", "data", "checksum"))
 
 
@@ -81,7 +96,7 @@ class Record:
     """A stored run without its result. `spec` is the experiment as JSON text, empty in listings.
 
     `damaged`: a checksum does not fit. Only the fields that a listing shows are filled in then, and `spec`, if it is
-    undamaged itself.
+    undamaged itself. `facts` are written with the run, and not read with it.
     """
 
     id: str
@@ -94,6 +109,7 @@ class Record:
     summary: dict[str, Any] | None = None
     pinned: bool = False
     damaged: bool = False
+    facts: RunFacts | None = None
 
 
 class RunStore:
@@ -118,7 +134,7 @@ class RunStore:
         title = record.title.replace("\0", "\ufffd")  # PostgreSQL has no text with this character
         outcome = (record.status, _dump(record.error), _dump(record.summary), record.engine)
         with self._database.writing() as connection:
-            known = connection.execute(_GET, {"id": record.id}).one_or_none()
+            known = connection.execute(select(RUNS).where(_BY_ID), {"id": record.id}).one_or_none()
             created = known.created if known is not None and has_spec(known) else float(record.created)
             row = {
                 "id": record.id,
@@ -129,8 +145,11 @@ class RunStore:
                 "outcome_sum": outcome_sum(record.id, *outcome),
                 "created": created,
                 "pinned": int(record.pinned),
+                "removed": None,
             }
             connection.execute(_PUT[connection.dialect.name], row)
+            if record.facts is not None:
+                put_facts(connection, record.id, record.facts)
 
     def get(self, id: str) -> Record | None:
         """Return a run with its spec, or None if there is no such run. Raises Damaged if its spec is damaged."""
@@ -149,13 +168,13 @@ class RunStore:
                 rows = connection.execute(_PAGE, {"limit": limit, "offset": offset}).all()
         except StoreError as error:
             log.error("%s", error)
-            rows = list(rows_one_by_one(self._database, limit, offset))
-        return [_listed(row) for row in rows]
+            rows = [row for row in rows_one_by_one(self._database, limit, offset) if row.removed is None]
+        return [listed_record(row) for row in rows]
 
     def ids(self, prefix: str, limit: int = 3) -> list[str]:
         """Return ids that start with `prefix`, to suggest for a mistyped one."""
         begins = func.substr(RUNS.c.id, 1, len(prefix)) == prefix
-        query = select(RUNS.c.id).where(begins).order_by(desc(RUNS.c.created)).limit(limit)
+        query = select(RUNS.c.id).where(begins & _THERE).order_by(desc(RUNS.c.created)).limit(limit)
         with self._database.reading() as connection:
             return list(connection.execute(query).scalars())
 
@@ -176,6 +195,7 @@ class RunStore:
             if connection.execute(select(1).where(RUNS.c.id == id)).one_or_none() is not None:
                 for owner in sorted(owners):
                     connection.execute(_OWN[connection.dialect.name], {"run": id, "owner": owner})
+                    connection.execute(_LIST_AGAIN, {"id": id, "by": owner})
 
     def disown(self, id: str, owner: str) -> None:
         """Remove an owner of a run."""
@@ -183,11 +203,23 @@ class RunStore:
             connection.execute(delete(OWNERS).where((OWNERS.c.run == id) & (OWNERS.c.owner == owner)))
 
     def delete(self, id: str) -> bool:
-        """Remove the run, its spec, results and owners. Return False if the run does not exist."""
+        """Erase the run with all that belongs to it. Return False if the run does not exist."""
         with self._database.writing() as connection:
-            connection.execute(delete(RESULTS).where(RESULTS.c.id == id))
-            connection.execute(delete(OWNERS).where(OWNERS.c.run == id))
-            return connection.execute(delete(RUNS).where(RUNS.c.id == id)).rowcount > 0
+            return erase(connection, RUNS.c.id == id) > 0
+
+    def remove(self, id: str) -> bool:
+        """Remove the run; until it is erased it can be brought back. Return False if the run does not exist."""
+        with self._database.writing() as connection:
+            return mark_removed(connection, id, time.time())
+
+    def erase_removed(self, id: str) -> None:
+        """Erase the run if it was removed: somebody asks for the same experiment."""
+        removed = (RUNS.c.id == id) & RUNS.c.removed.is_not(None)
+        with self._database.reading() as connection:
+            if connection.execute(select(RUNS.c.id).where(removed)).one_or_none() is None:
+                return
+        with self._database.writing() as connection:
+            erase(connection, removed)
 
     def unfinished(self) -> list[Record]:
         """Return the runs that a server accepted and did not finish, oldest first, without those that are damaged."""
@@ -311,7 +343,8 @@ def _record(row: Row) -> Record:
     return Record(row.id, row.spec, row.title, row.status, row.engine, row.created, error, summary, pinned)
 
 
-def _listed(row: Row) -> Record:
+def listed_record(row: Row) -> Record:
+    """Return the record of a row as a list shows it, without spec, summary and error."""
     if not is_whole(row):
         return _damaged(row)
     return Record(row.id, "", row.title, row.status, row.engine, row.created, pinned=bool(row.pinned))

@@ -26,7 +26,7 @@ class Blob(LargeBinary):
 METADATA = MetaData()
 
 #: Specs are kept. `spec_sum` and `outcome_sum` are checksums of what is posted and of what is computed. `pinned`
-#: changes without the rest and is in neither.
+#: changes without the rest and is in neither, as is `removed`: the time at which it was removed, null before.
 RUNS = Table(
     "runs",
     METADATA,
@@ -41,6 +41,7 @@ RUNS = Table(
     Column("pinned", BigInteger, nullable=False),
     Column("spec_sum", Text),
     Column("outcome_sum", Text),
+    Column("removed", Float),
 )
 
 #: Results can be computed again, and are deleted to free space.
@@ -63,6 +64,34 @@ OWNERS = Table(
     METADATA,
     Column("run", Text, primary_key=True),
     Column("owner", Text, primary_key=True),
+)
+
+#: Facts by which runs are listed, sought and sorted. They follow from spec and outcome, and are computed once. `words`,
+#: `numbers`, `changes` and `shown`: see thetascope.store.notebook.
+RUN_FACTS = Table(
+    "run_facts",
+    METADATA,
+    Column("run", Text, primary_key=True),
+    Column("experiment", Text, nullable=False),
+    Column("kind", Text, nullable=False),
+    Column("rmse", Float),
+    Column("delay", Float),
+    Column("false_alarms", BigInteger),
+    Column("words", Text, nullable=False),
+    Column("numbers", Text, nullable=False),
+    Column("changes", Text, nullable=False),
+    Column("shown", Text, nullable=False),
+)
+
+#: What an owner calls a run, its tags as a JSON list, and the time at which the owner removed it, null before.
+RUN_NOTES = Table(
+    "run_notes",
+    METADATA,
+    Column("run", Text, primary_key=True),
+    Column("owner", Text, primary_key=True),
+    Column("name", Text, nullable=False),
+    Column("tags", Text, nullable=False),
+    Column("removed", Float),
 )
 
 #: Files of records: the id is the hash of the unpacked bytes, and so their checksum. They cannot be computed again.

@@ -37,7 +37,7 @@ export function mountChooser(root, store, act) {
   wide.addEventListener('change', () => {
     fold.open = wide.matches;
   });
-  fill(root, fold);
+  fill(root, h('a', {class: 'all-runs', href: '/runs/'}, t('page.notebook.all-runs')), fold);
   root.setAttribute('aria-label', t('page.runs.experiments'));
 
   function show() {

@@ -149,6 +149,7 @@ async function open() {
   const {experiment, changes, run: known} = read(location.search);
   if (experiment) return act.choose(experiment, {changes, run: known, push: false});
   if (known) return guarded(() => reopen(known, {}));
+  if (!location.search) return location.reload(); // back to the notebook
   const first = store.state.experiments?.[0];
   return first && act.choose(first.id, {push: false});
 }

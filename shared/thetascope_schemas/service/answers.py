@@ -4,16 +4,13 @@ The routes build these answers as plain data. The models document them in OpenAP
 generated from there (`tools/page_types.py`). A test validates the real answers against the models.
 """
 
-from datetime import datetime
 from typing import Literal
 
 from pydantic import Field, JsonValue
 
 from thetascope_schemas.experiment.base import Number, Strict
 from thetascope_schemas.experiment.experiment import Experiment
-from thetascope_schemas.service.health import RunUsage
 from thetascope_schemas.service.lesson import Words
-from thetascope_schemas.service.run import Status
 
 TimeKind = Literal["continuous", "discrete"]
 
@@ -316,26 +313,6 @@ class PlotlyFigure(Strict):
 
     data: tuple[dict[str, JsonValue], ...]
     layout: dict[str, JsonValue]
-
-
-class RunLine(Strict):
-    """A run in a list."""
-
-    id: str
-    title: str
-    status: Status | Literal["damaged"] = Field(
-        description="damaged: what is stored does not have its checksum; run the experiment again, or remove the run."
-    )
-    created: datetime
-    pinned: bool
-    links: dict[str, str]
-
-
-class RunList(Strict):
-    """Runs, newest first, and figures of the store."""
-
-    runs: tuple[RunLine, ...]
-    store: RunUsage
 
 
 class SessionOpened(Strict):

@@ -79,7 +79,7 @@ def test_a_run_shows_its_diagnosis(kept_page):
 
 def test_the_library_is_listed_and_a_choice_opens(page):
     """Every experiment is a link that sets the address; Back leads to the previous one."""
-    opened = page("/runs/")
+    opened = page("/runs/?new")
     links = opened.locator(".chooser li a")
     links.first.wait_for()
     listed = opened.evaluate(

@@ -8,13 +8,14 @@ from fastapi import Depends, Request
 
 from thetascope.live.scheduling.hub import Hub
 from thetascope.runs.jobs.manager import RunManager
+from thetascope.runs.notebook.notebook import Notebook
 from thetascope.runs.plants.my_plants import MyPlants
 from thetascope.runs.records.record_files import RecordFiles
 from thetascope.runs.workers.limits import Limits
 from thetascope.runs.workers.pool import Workers
 from thetascope.runs.workers.process import preload
 from thetascope.settings import Settings
-from thetascope.store import Database, PlantStore, RecordStore, RunStore
+from thetascope.store import Database, NotebookStore, PlantStore, RecordStore, RunStore
 from thetascope_schemas.experiment.experiment import ResolvedExperiment
 
 PRELOADED = ("sympy", "thetascope.live.session.session", "thetascope.assembly.analyses.record_diagnosis")
@@ -23,7 +24,7 @@ PRELOADED = ("sympy", "thetascope.live.session.session", "thetascope.assembly.an
 
 @dataclass(frozen=True)
 class Services:
-    """The settings, workers, runs, live sessions, uploaded records, saved plants and the store's database."""
+    """The settings, workers, runs, their notebook, live sessions, records, saved plants, and the store's database."""
 
     settings: Settings
     workers: Workers
@@ -32,6 +33,7 @@ class Services:
     database: Database
     records: RecordFiles
     my_plants: MyPlants
+    notebook: Notebook
 
     @classmethod
     def start(
@@ -51,9 +53,11 @@ class Services:
         records = RecordFiles(RecordStore(database), settings.record_limit)
         store = RunStore(database, settings.store_limit)
         runs = RunManager(settings, store, workers, run_ended, records.of_experiment)
+        notebook = Notebook(NotebookStore(database), store, runs)
+        notebook.begin()
         runs.resume()
         plants = MyPlants(PlantStore(database))
-        return cls(settings, workers, runs, Hub(settings, workers), database, records, plants)
+        return cls(settings, workers, runs, Hub(settings, workers), database, records, plants, notebook)
 
     def with_record(self, spec: ResolvedExperiment) -> ResolvedExperiment:
         """Return an experiment with the file of its record, if it has one. Raises Unknown for no such record."""

@@ -1,4 +1,4 @@
-"""/api/runs: start runs, follow their progress, cancel, pin and remove them."""
+"""/api/runs: start runs, follow their progress, cancel, pin and remove them. The list is in notebook/."""
 
 import asyncio
 from contextlib import suppress
@@ -9,7 +9,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from thetascope.access.principal import principal_of
-from thetascope.api.http.answers import ended, json_response, listed, progress_response, run_response
+from thetascope.api.http.answers import ended, progress_response, run_response
 from thetascope.api.http.computed import check_cpu, first_of, limits_for
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
@@ -20,7 +20,6 @@ from thetascope.runs.jobs.job import Job, Snapshot
 from thetascope.runs.specs.run_requests import parse_request
 from thetascope.store import Damaged
 from thetascope_schemas.experiment.experiment import Experiment
-from thetascope_schemas.service.answers import RunList
 from thetascope_schemas.service.run import Progress, Run
 
 router = APIRouter(prefix="/runs", tags=["runs"])
@@ -76,20 +75,6 @@ async def answered(
     return progress_response(started.snapshot(), language, 202)
 
 
-@router.get("", response_model=RunList)
-def list_runs(
-    services: Use,
-    language: Language,
-    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
-    offset: Annotated[int, Query(ge=0)] = 0,
-) -> Response:
-    """Return the active runs, then the stored ones, newest first, without specs and summaries."""
-    active, stored = services.runs.page(limit, offset)
-    under_way = {run.id for run in active}
-    runs = ([] if offset else active) + [run for run in stored if run.id not in under_way]
-    return json_response({"runs": [listed(run, language) for run in runs], "store": services.runs.usage()})
-
-
 @router.get("/{id}", response_model=Run, responses=documented(404))
 def get_run(id: str, services: Use, language: Language) -> Response:
     """Return a run: its status, spec and summary."""
@@ -120,7 +105,8 @@ _STAYS = {"model": Run, "description": "It stays for others who asked for the sa
 def delete_run(request: Request, id: str, services: Use, language: Language) -> Response:
     """Cancel an active run (202), or remove one that has ended, with its spec and result (204).
 
-    All who asked for the same experiment own its run; it goes when the last of them removes it.
+    All who asked for the same experiment own its run; it goes when the last of them removes it. POST …/restore brings
+    it back within ten minutes.
     """
     by = principal_of(request.scope)
     snapshot = None
@@ -129,7 +115,7 @@ def delete_run(request: Request, id: str, services: Use, language: Language) -> 
     if snapshot is not None and snapshot.active:
         audit(request, "run.cancelled", run=id, status=snapshot.status)
         return run_response(snapshot, language, 202)
-    gone = services.runs.remove(id, by)
+    gone = services.notebook.remove(id, by)
     audit(request, "run.removed" if gone else "run.given-up", run=id)
     return Response(status_code=204) if gone else run_response(services.runs.get(id), language)
 

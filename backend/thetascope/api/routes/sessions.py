@@ -178,11 +178,14 @@ async def save_session(
     most = limits_for(request, services).runs
     started = await run_in_threadpool(services.runs.submit, spec, principal_of(request.scope), most)
     if isinstance(started, Snapshot):
+        await run_in_threadpool(services.notebook.saved_from_live, started.id)
         return run_response(started, language)
     snapshot = await ended(started, services.settings.wait)
+    if snapshot is None:
+        await run_in_threadpool(services.runs.announce, started)
+    await run_in_threadpool(services.notebook.saved_from_live, started.id)
     if snapshot is not None:
         return run_response(snapshot, language, 201)
-    await run_in_threadpool(services.runs.announce, started)
     return progress_response(started.snapshot(), language, 202)
 
 

@@ -107,7 +107,9 @@ class RunManager:
         complete = resolved(spec)
         id = complete.spec_hash()
         known, client = self._readable(id), by.client if by else client
-        owners = self._store.owners(id) if known is None else self._owners(id)
+        if known is None and not self._store.read_only:
+            self._store.erase_removed(id)
+        owners = self._store.owners(id) if known is None else self.owners(id)
         if known is not None and self._has_result(known):
             self._owned.add(id, owners, by)
             return self._with_posted_spec(known, spec, owns_alone(owners, by))
@@ -161,10 +163,17 @@ class RunManager:
         """Return the run's job while it is active."""
         return self._jobs.get(id)
 
-    def page(self, limit: int, offset: int) -> tuple[list[Snapshot], list[Record]]:
-        """Return the active runs, and a page of the stored ones (records without specs), newest first."""
-        active = sorted((job.snapshot() for job in list(self._jobs.values())), key=lambda run: -run.created)
-        return active, self._store.page(limit, offset)
+    def active(self) -> list[Snapshot]:
+        """Return the runs that wait or are computed, the newest first."""
+        return sorted((job.snapshot() for job in list(self._jobs.values())), key=lambda run: -run.created)
+
+    def share(self, id: str, by: Principal) -> None:
+        """Make a client an owner of a stored run again."""
+        self._owned.add(id, self.owners(id), by)
+
+    def written_in_order(self, write: Callable[[], object]) -> None:
+        """Write to the store after all that was queued before."""
+        self._writer.now(write)
 
     def finished(self, id: str, client: Callable[[], str] = lambda: "") -> Finished | Job:
         """Return the run with its result, or the job that computes it (again, if the store has dropped it).
@@ -221,19 +230,24 @@ class RunManager:
         return snapshot
 
     def remove(self, id: str, by: Principal = LOCAL) -> bool:
-        """Remove a run that has ended, with its spec, if nobody else owns it; return whether it is gone.
+        """Remove a run that has ended, if nobody else owns it; return whether it is gone. It can be brought back.
 
         Raises :class:`Unknown`, or :class:`NotOwner`.
         """
         with suppress(Damaged):
             self.get(id)
-        owners = self._owners(id)
+        owners = self.owners(id)
         if left := others(owners, by):
             self._owned.give_up(id, owners - left, left)
             return False
         self._memory.remove(id)
-        self._writer.now(lambda: self._store.delete(id))
+        self._writer.now(lambda: self._store.remove(id))
         return True
+
+    def owners(self, id: str) -> Owners:
+        """Return the owners of a run."""
+        job = self._jobs.get(id)
+        return self._owned.of(id) if job is None else job.owners
 
     def pin(self, id: str, pinned: bool, by: Principal = LOCAL) -> Snapshot:
         """Keep the run's result when the store needs space, or allow its deletion again.
@@ -243,7 +257,7 @@ class RunManager:
         snapshot = self.get(id)
         if snapshot.active:
             raise NotReady(Message("run.pin.under-way"))
-        if others(self._owners(id), by) and not pinned:
+        if others(self.owners(id), by) and not pinned:
             raise NotOwner(Message("run.pin.shared"))
         self._writer.now(lambda: self._store.pin(id, pinned))
         self._memory.change(id, pinned=pinned)
@@ -309,11 +323,6 @@ class RunManager:
         entry = self._memory.get(snapshot.id)
         return entry is not None or self._store.has_result(snapshot.id, engine_version())
 
-    def _owners(self, id: str) -> Owners:
-        """Return the owners of a run."""
-        job = self._jobs.get(id)
-        return self._owned.of(id) if job is None else job.owners
-
     def _with_posted_spec(self, snapshot: Snapshot, spec: Experiment, keep: bool) -> Snapshot:
         """Return the run with the spec as posted; title and figures are not part of the id.
 
@@ -371,8 +380,8 @@ class RunManager:
         job.done.set_exception(Busy(Message("work.stopping")))
 
     def _keep(self, end: Ended) -> None:
-        record, version = record_of(end.snapshot), engine_version()
         result = end.result if isinstance(end, Finished) else None
+        record, version = record_of(end.snapshot, result), engine_version()
 
         def write() -> None:
             self._not_stored.pop(record.id, None)

@@ -4,9 +4,11 @@ import json
 
 from pydantic import ValidationError
 
+from thetascope.engine.model.result import Result
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Snapshot
 from thetascope.runs.results.engine_version import engine_version
+from thetascope.runs.results.run_facts import facts_of_run
 from thetascope.runs.specs.problem_documents import problem
 from thetascope.store import Record
 from thetascope_schemas.experiment.experiment import Experiment
@@ -16,8 +18,8 @@ from thetascope_schemas.texts.local_text import ALL, LocalText, in_language
 _SEVERAL = "\x1f"
 
 
-def record_of(snapshot: Snapshot) -> Record:
-    """Return the row that stores a run."""
+def record_of(snapshot: Snapshot, result: Result | None = None) -> Record:
+    """Return the row that stores a run, with the facts of its line in lists."""
     return Record(
         id=snapshot.id,
         spec=snapshot.spec.model_dump_json(context={"language": ALL}),
@@ -28,6 +30,7 @@ def record_of(snapshot: Snapshot) -> Record:
         error=snapshot.problem and snapshot.problem.model_dump(mode="json"),
         summary=snapshot.summary and snapshot.summary.model_dump(mode="json"),
         pinned=snapshot.pinned,
+        facts=facts_of_run(snapshot.spec, snapshot.summary, result),
     )
 
 

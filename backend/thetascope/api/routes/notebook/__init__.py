@@ -1,0 +1,1 @@
+"""/api/runs as a notebook: the list, names and tags, comparisons."""

@@ -1,0 +1,1 @@
+"""The notebook of runs: lists, names and tags, removal, comparison."""

@@ -1,0 +1,119 @@
+"""The notebook: all runs in a list, named and tagged by their owners, removed and brought back."""
+
+import logging
+import time
+from contextlib import suppress
+from dataclasses import replace
+
+from thetascope.access.principal import Principal
+from thetascope.messages import Message
+from thetascope.runs.jobs.job import Snapshot
+from thetascope.runs.jobs.manager import RunManager
+from thetascope.runs.jobs.ownership import share_of
+from thetascope.runs.jobs.store_rows import snapshot_of
+from thetascope.runs.results.run_facts import facts_of_run
+from thetascope.runs.specs.refusals import Unknown
+from thetascope.store import Damaged, Line, NotebookStore, RunFacts, RunQuery, RunStore, StoreError
+from thetascope.store.notebook.listing import Counts
+
+log = logging.getLogger(__name__)
+
+KEPT = 600.0
+"""Seconds for which a run that was removed can be brought back."""
+
+
+class Notebook:
+    """Lists of runs, as each client sees them. Names and tags are its own; a pin belongs to the run."""
+
+    def __init__(self, store: NotebookStore, stored_runs: RunStore, runs: RunManager) -> None:
+        self._store, self._stored_runs, self._runs = store, stored_runs, runs
+
+    def begin(self) -> None:
+        """Erase the runs that were removed before this start."""
+        if not self._store.read_only:
+            self._store.erase(time.time())
+
+    def page(self, by: Principal, query: RunQuery) -> tuple[list[Line], Counts]:
+        """Return a page of the stored runs, and how many there are."""
+        self._complete()
+        try:
+            lines, counts = self._store.page(by.owner, query)
+        except StoreError as error:
+            log.error("%s", error)
+            records = self._stored_runs.page(query.limit, query.offset)
+            return [Line(record, None) for record in records], Counts(len(records))
+        return [line if line.facts or line.record.damaged else self._with_facts(line) for line in lines], counts
+
+    def line(self, id: str, by: Principal) -> Line:
+        """Return a run of the list. Raises Unknown."""
+        line = self._store.line(by.owner, id)
+        if line is None:
+            self._runs.get(id)  # raises Unknown with similar ids
+            raise Unknown(Message("run.unknown", id=id[:64]))
+        return line if line.facts or line.record.damaged else self._with_facts(line)
+
+    def edit(self, id: str, by: Principal, name: str | None, tags: tuple[str, ...] | None, pinned: bool | None) -> Line:
+        """Name, tag or pin a run; None leaves it as it is. Raises Unknown, NotOwner, or NotReady for an active run."""
+        self.line(id, by)
+        if not by.is_machine:
+            share_of(self._runs.owners(id), by)
+        if pinned is not None:
+            self._runs.pin(id, pinned, by)
+        if name is not None or tags is not None:
+            self._runs.written_in_order(lambda: self._store.note(id, by.owner, name, tags))
+        return self.line(id, by)
+
+    def remove(self, id: str, by: Principal) -> bool:
+        """Remove a run, or the client's share of it; return whether it is gone. Both can be undone for some time.
+
+        Raises Unknown, or NotOwner.
+        """
+        gone = self._runs.remove(id, by)
+        if not gone:
+            self._runs.written_in_order(lambda: self._store.give_up(id, by.owner, time.time()))
+        self._store.erase(time.time() - KEPT)
+        return gone
+
+    def restore(self, id: str, by: Principal) -> Line:
+        """Bring back a run that the client has removed. Raises Unknown if it is erased, or NotOwner."""
+        owners = self._stored_runs.owners(id)
+        if not by.is_machine and self._store.given_up(id, by.owner):
+            self._runs.share(id, by)
+            self._runs.written_in_order(lambda: self._store.give_up(id, by.owner, None))
+        elif by.is_machine or (owners and share_of(owners, by)):
+            self._runs.written_in_order(lambda: self._store.restore(id))
+        return self.line(id, by)
+
+    def is_mine(self, line: Line, by: Principal) -> bool:
+        """Return whether a client may name, tag and remove a run."""
+        return by.is_machine or any(by.acts_for(owner) for owner in line.owners)
+
+    def saved_from_live(self, id: str) -> None:
+        """Record that a run is a live session that was saved."""
+        with suppress(StoreError):  # it is saved in any case
+            self._runs.written_in_order(lambda: self._store.set_kind(id, "session"))
+
+    def _complete(self) -> None:
+        """Write the facts of runs that an earlier version stored."""
+        if self._store.read_only:
+            return
+        try:
+            while missing := self._store.without_facts():
+                self._store.put_facts({id: self._facts(id) or RunFacts("") for id in missing})
+        except StoreError as error:
+            log.error("%s", error)
+
+    def _with_facts(self, line: Line) -> Line:
+        return replace(line, facts=self._facts(line.record.id))
+
+    def _facts(self, id: str) -> RunFacts | None:
+        """Return the facts of a stored run, without a curve; None if it cannot be read."""
+        try:
+            record = self._stored_runs.get(id)
+            if record is None:
+                return None
+            snapshot: Snapshot = snapshot_of(record)
+        except (Damaged, ValueError) as error:
+            log.error("%s", error)
+            return None
+        return facts_of_run(snapshot.spec, snapshot.summary)

@@ -1,0 +1,74 @@
+"""Facts of a run, which are written with it."""
+
+import json
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from sqlalchemy import Connection, select, update
+from sqlalchemy.dialects import postgresql, sqlite
+
+from thetascope.store.tables import RUN_FACTS
+
+KINDS = ("run", "session", "record")
+"""A run that was asked for, a live session that was saved, and observers on a record."""
+
+
+@dataclass(frozen=True)
+class RunFacts:
+    """Facts of a run that its line in a list shows, and by which lists are sought and sorted.
+
+    Args:
+        experiment: id of the library's experiment that the run follows; empty: it follows none.
+        kind: one of `KINDS`.
+        rmse, delay, false_alarms: of the observer that `shown` names; None: unknown.
+        words: all words by which the run is sought, in lower case.
+        numbers: the values of its settings by name; a gain of several observers has several.
+        changes: the differences from the experiment: path, label (a message as data), from, to.
+        shown: what else the line shows: observer, state, and the curve of the first fault.
+    """
+
+    experiment: str
+    kind: str = "run"
+    rmse: float | None = None
+    delay: float | None = None
+    false_alarms: int | None = None
+    words: str = ""
+    numbers: dict[str, list[float]] = field(default_factory=dict)
+    changes: list[dict[str, Any]] = field(default_factory=list)
+    shown: dict[str, Any] = field(default_factory=dict)
+
+
+_CHANGED = ("experiment", "rmse", "delay", "false_alarms", "words", "numbers", "changes", "shown")  # not the kind
+_JSON = ("numbers", "changes", "shown")
+
+
+def put_facts(connection: Connection, id: str, facts: RunFacts) -> None:
+    """Write the facts of a run in a transaction. Its kind stays, and its curve if there is no other."""
+    if "curve" not in facts.shown:
+        old = connection.execute(select(RUN_FACTS.c.shown).where(RUN_FACTS.c.run == id)).scalar_one_or_none()
+        with suppress(ValueError, AttributeError, TypeError):
+            facts = replace(facts, shown={"curve": json.loads(old or "").get("curve"), **facts.shown})
+    row = {"run": id, **vars(facts)}
+    row |= {name: json.dumps(row[name], ensure_ascii=False) for name in _JSON}
+    row["words"] = facts.words.replace("\0", " ")
+    statement = {"sqlite": sqlite, "postgresql": postgresql}[connection.dialect.name].insert(RUN_FACTS)
+    changed = {name: statement.excluded[name] for name in _CHANGED}
+    connection.execute(statement.on_conflict_do_update(index_elements=["run"], set_=changed), row)
+
+
+def set_kind(connection: Connection, id: str, kind: str) -> None:
+    """Write the kind of a run that has facts."""
+    connection.execute(update(RUN_FACTS).where(RUN_FACTS.c.run == id).values(kind=kind))
+
+
+def facts_of_row(row: Any) -> RunFacts | None:
+    """Return the facts in a row that joins runs and facts; None if there are none, or they cannot be read."""
+    if row.kind is None:
+        return None
+    try:
+        data = {name: json.loads(getattr(row, name)) for name in _JSON}
+    except (TypeError, ValueError):
+        return None
+    numbers = (row.rmse, row.delay, row.false_alarms)
+    return RunFacts(row.experiment, row.kind, *numbers, row.words, **data)

@@ -1,0 +1,20 @@
+"""Remove runs so that they can be brought back for some time, and erase them."""
+
+from sqlalchemy import ColumnElement, Connection, delete, select, update
+
+from thetascope.store.tables import OWNERS, RESULTS, RUN_FACTS, RUN_NOTES, RUNS
+
+
+def erase(connection: Connection, condition: ColumnElement[bool]) -> int:
+    """Delete the runs that meet a condition, with specs, results, owners, facts and notes; return their number."""
+    ids = select(RUNS.c.id).where(condition)
+    connection.execute(delete(RESULTS).where(RESULTS.c.id.in_(ids)))
+    for table in (OWNERS, RUN_FACTS, RUN_NOTES):
+        connection.execute(delete(table).where(table.c.run.in_(ids)))
+    return connection.execute(delete(RUNS).where(condition)).rowcount
+
+
+def mark_removed(connection: Connection, id: str, at: float | None) -> bool:
+    """Mark a run as removed at a time, or bring it back; return whether that changed anything."""
+    other = RUNS.c.removed.is_(None) if at is not None else RUNS.c.removed.is_not(None)
+    return connection.execute(update(RUNS).where((RUNS.c.id == id) & other).values(removed=at)).rowcount > 0

@@ -1,0 +1,161 @@
+"""The notebook of runs in the store: lists, names and tags, removal and its undoing."""
+
+import json
+import logging
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Row, func, select
+from sqlalchemy.dialects import postgresql, sqlite
+
+from thetascope.store.database import Database
+from thetascope.store.notebook.facts import RunFacts, facts_of_row, put_facts, set_kind
+from thetascope.store.notebook.listing import GROUPS, MEASURES, Counts, RunQuery, conditions, joined, ordered
+from thetascope.store.notebook.removal import erase, mark_removed
+from thetascope.store.run_store import Record, listed_record
+from thetascope.store.tables import OWNERS, RUN_FACTS, RUN_NOTES, RUNS
+
+log = logging.getLogger(__name__)
+
+_SHOWN = [RUNS, *(column for column in RUN_FACTS.c if column.name != "run"), RUN_NOTES.c.name, RUN_NOTES.c.tags]
+_MANY = 200
+
+
+@dataclass(frozen=True)
+class Line:
+    """A run in a list: its record without spec and summary, its facts, and the owner's name and tags for it."""
+
+    record: Record
+    facts: RunFacts | None
+    name: str = ""
+    tags: tuple[str, ...] = ()
+    owners: frozenset[str] = frozenset()
+
+
+class NotebookStore:
+    """Reads and writes what lists of runs need."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    @property
+    def read_only(self) -> bool:
+        """Whether nothing can be written."""
+        return self._database.read_only
+
+    def page(self, owner: str, query: RunQuery) -> tuple[list[Line], Counts]:
+        """Return a page of an owner's list, and what the list has in all. Raises StoreError for a damaged file."""
+        where = conditions(query)
+        beyond = [one for one in query.conditions if one.name not in MEASURES]
+        group = GROUPS.get(query.group, GROUPS["experiment"]).label("group")
+        with self._database.reading() as connection:
+            ids = ordered(joined(owner, RUNS.c.id, RUN_FACTS.c.numbers, group).where(where), query)
+            if beyond:
+                rows = [row for row in connection.execute(ids) if _meets(row.numbers, beyond)]
+                found = Counter(row.group for row in rows)
+                page = [row.id for row in rows[query.offset : query.offset + query.limit]]
+            else:
+                counted = joined(owner, group, func.count().label("n")).where(where).group_by(group)
+                found = {row.group: row.n for row in connection.execute(counted)}
+                page = [row.id for row in connection.execute(ids.limit(query.limit).offset(query.offset))]
+            lines = {row.id: row for row in connection.execute(joined(owner, *_SHOWN).where(RUNS.c.id.in_(page)))}
+            owners = self._owners(connection, page)
+            counts = self._counts(connection, owner, dict(found))
+        return [_line(lines[id], owners.get(id, frozenset())) for id in page if id in lines], counts
+
+    def line(self, owner: str, id: str) -> Line | None:
+        """Return the line of a run in an owner's list, or None if it is not there."""
+        with self._database.reading() as connection:
+            row = connection.execute(joined(owner, *_SHOWN).where(RUNS.c.id == id)).one_or_none()
+            return None if row is None else _line(row, self._owners(connection, [id]).get(id, frozenset()))
+
+    def without_facts(self) -> list[str]:
+        """Return ids of stored runs that have no facts, the newest first: an earlier version wrote them."""
+        missing = select(RUNS.c.id).where(RUNS.c.id.not_in(select(RUN_FACTS.c.run)) & RUNS.c.removed.is_(None))
+        with self._database.reading() as connection:
+            return list(connection.execute(missing.order_by(RUNS.c.created.desc()).limit(_MANY)).scalars())
+
+    def put_facts(self, facts: dict[str, RunFacts]) -> None:
+        """Write the facts of runs."""
+        with self._database.writing() as connection:
+            for id, one in facts.items():
+                put_facts(connection, id, one)
+
+    def set_kind(self, id: str, kind: str) -> None:
+        """Write the kind of a run."""
+        with self._database.writing() as connection:
+            set_kind(connection, id, kind)
+
+    def note(self, id: str, owner: str, name: str | None = None, tags: tuple[str, ...] | None = None) -> None:
+        """Write what an owner calls a run, its tags, or both."""
+        texts = {"name": name, "tags": None if tags is None else json.dumps(tags, ensure_ascii=False)}
+        self._put_note(id, owner, {key: value for key, value in texts.items() if value is not None})
+
+    def give_up(self, id: str, owner: str, at: float | None) -> None:
+        """Leave a run that others own out of an owner's list; with None for the time, take it back."""
+        self._put_note(id, owner, {"removed": at})
+
+    def given_up(self, id: str, owner: str) -> bool:
+        """Return whether an owner has removed a run that others own."""
+        mine = (RUN_NOTES.c.run == id) & (RUN_NOTES.c.owner == owner) & RUN_NOTES.c.removed.is_not(None)
+        with self._database.reading() as connection:
+            return connection.execute(select(RUN_NOTES.c.run).where(mine)).one_or_none() is not None
+
+    def restore(self, id: str) -> bool:
+        """Bring back a run that was removed; return False if there is none."""
+        with self._database.writing() as connection:
+            return mark_removed(connection, id, None)
+
+    def erase(self, before: float) -> int:
+        """Erase the runs that were removed before a time; return their number."""
+        with self._database.writing() as connection:
+            return erase(connection, RUNS.c.removed < before)
+
+    def _put_note(self, id: str, owner: str, changes: dict[str, Any]) -> None:
+        with self._database.writing() as connection:
+            row = {"run": id, "owner": owner, "name": "", "tags": "[]", "removed": None} | changes
+            statement = {"sqlite": sqlite, "postgresql": postgresql}[connection.dialect.name].insert(RUN_NOTES)
+            connection.execute(statement.on_conflict_do_update(index_elements=["run", "owner"], set_=changes), row)
+
+    @staticmethod
+    def _owners(connection: Any, ids: list[str]) -> dict[str, frozenset[str]]:
+        owners: dict[str, set[str]] = {}
+        for row in connection.execute(select(OWNERS).where(OWNERS.c.run.in_(ids))):
+            owners.setdefault(row.run, set()).add(row.owner)
+        return {id: frozenset(names) for id, names in owners.items()}
+
+    @staticmethod
+    def _counts(connection: Any, owner: str, found: dict[str, int]) -> Counts:
+        kind = func.coalesce(RUN_FACTS.c.kind, "run")
+        rows = connection.execute(
+            joined(owner, kind.label("kind"), func.count().label("n"), func.sum(RUNS.c.pinned).label("pins")).group_by(
+                kind
+            )
+        ).all()
+        tags: Counter[str] = Counter()
+        for row in connection.execute(joined(owner, RUN_NOTES.c.tags).where(RUN_NOTES.c.tags.is_not(None))):
+            tags.update(_tags(row.tags))
+        kinds = {row.kind: row.n for row in rows}
+        return Counts(sum(kinds.values()), sum(int(row.pins) for row in rows), kinds, dict(tags), found)
+
+
+def _meets(numbers: str | None, conditions: list[Any]) -> bool:
+    """Return whether the settings of a run meet conditions."""
+    try:
+        values = json.loads(numbers or "{}")
+        return all(one.holds(values.get(one.name, ())) for one in conditions)
+    except (ValueError, TypeError, AttributeError):
+        return False
+
+
+def _line(row: Row, owners: frozenset[str]) -> Line:
+    return Line(listed_record(row), facts_of_row(row), row.name or "", _tags(row.tags), owners)
+
+
+def _tags(text: str | None) -> tuple[str, ...]:
+    try:
+        return tuple(str(tag) for tag in json.loads(text or "[]"))
+    except (ValueError, TypeError):
+        log.error("the tags of a run cannot be read")
+        return ()

@@ -1,0 +1,145 @@
+"""The notebook over REST: the list with what was changed, names and tags, removal that can be undone, comparisons."""
+
+import json
+from urllib.parse import quote
+
+import pytest
+
+from tests.api.conftest import service, until
+from tests.api.test_api_owners import KEY, browser, refused
+from tests.runs.samples import spec_data
+from thetascope.client import Client, ServiceError
+from thetascope_schemas.service.notebook.lines import RunList
+
+QUICK = {"experiment": "zhao-2012", "set": {"horizon": 2.0, "seed": 3, "observers.adaptive.gains.lambda": 8}}
+
+
+def patched(client: Client, id: str, **notes: object) -> dict:
+    """Return the answer to a change of what is noted about a run."""
+    body = json.dumps(notes).encode()
+    answer = client.request("PATCH", f"/api/runs/{id}", body, {"Content-Type": "application/json"})[2]
+    return json.loads(answer)
+
+
+def stored(client: Client, *ids: str, query: str = "") -> list[dict]:
+    """Return the runs of the list once those with these ids are stored."""
+    until(lambda: set(ids) <= {one["id"] for one in client.get("/api/runs")["runs"] if one["status"] == "done"})
+    return client.get(f"/api/runs?{query}")["runs"]
+
+
+@pytest.fixture(scope="module")
+def notebook(tmp_path_factory):
+    """Yield a client of a service that has three runs, with their ids."""
+    with service(tmp_path_factory.mktemp("notebook"), wait=60) as address, Client(address) as client:
+        changes = ({"horizon": 2.0}, QUICK["set"], {"horizon": 2.0, "seed": 3})
+        ids = [client.post("/api/runs", {"experiment": "zhao-2012", "set": one})["id"] for one in changes]
+        stored(client, *ids)
+        yield client, ids
+
+
+def test_a_line_has_what_was_changed_and_the_measures_of_the_summary(notebook):
+    """They are those of the run's own summary, and the answer is as documented."""
+    client, (_, quick, _) = notebook
+    answer = client.get("/api/runs?lang=zh")
+    RunList.model_validate(answer)
+    line = next(one for one in answer["runs"] if one["id"] == quick)
+    assert [(c["path"], c["label"]["text"], c["from"], c["to"]) for c in line["changes"]] == [
+        ("seed", "随机种子", 1, 3),
+        ("horizon", "时长", 100, 2),
+        ("observers.adaptive.gains.lambda", "lambda", 4, 8),
+    ]
+    summary = client.get(f"/api/runs/{quick}")["summary"]
+    row = summary["comparison"]["observers"][0]
+    assert line["rmse"] == summary["observers"][0]["rmse"]["x1"] and line["state"] == "x1"
+    assert (line["delay"], line["false_alarms"]) == (row["delay"], row["false_alarms"])
+    assert line["curve"]["channel"] == "theta3" and len(line["curve"]["truth"]) == len(line["curve"]["estimate"]) > 10
+
+
+def test_filter_order_and_groups_are_those_of_the_server(notebook):
+    """Words, conditions, groups with their titles; a wrong column is refused."""
+    client, (plain, quick, seed) = notebook
+    found = {
+        q: [one["id"] for one in client.get(f"/api/runs?q={quote(q)}")["runs"]] for q in ("λ > 5", "seed = 3", "dts")
+    }
+    assert found == {"λ > 5": [quick], "seed = 3": [seed, quick], "dts": []}
+    answer = client.get("/api/runs?group=experiment&limit=1&offset=1")
+    assert [one["id"] for one in answer["runs"]] == [quick]
+    assert [(group["key"], group["n"]) for group in answer["groups"]] == [("zhao-2012", 3)]
+    assert answer["groups"][0]["title"].startswith("Adaptive observer") and answer["counts"]["found"] == 3
+    rmse = [one["rmse"] for one in client.get("/api/runs?sort=rmse")["runs"]]
+    assert rmse == sorted(rmse) and plain in [one["id"] for one in client.get("/api/runs?sort=rmse")["runs"]]
+    with pytest.raises(ServiceError, match="colour") as refusal:
+        client.get("/api/runs?sort=colour")
+    assert refusal.value.status == 422
+
+
+def test_names_tags_and_pins_are_changed_one_by_one(notebook):
+    """What is left out stays; a tag with a comma is refused with its field."""
+    client, (plain, *_) = notebook
+    assert patched(client, plain, name="  as in\tthe paper ")["name"] == "as in the paper"
+    line = patched(client, plain, tags=["fig. 4", "图 4", "fig. 4"], pinned=True)
+    assert (line["name"], line["tags"], line["pinned"]) == ("as in the paper", ["fig. 4", "图 4"], True)
+    answer = client.get(f"/api/runs?tag={quote('图 4')}")
+    assert [one["id"] for one in answer["runs"]] == [plain] and answer["counts"]["pinned"] == 1
+    assert answer["tags"] == [{"tag": "fig. 4", "n": 1}, {"tag": "图 4", "n": 1}]
+    with pytest.raises(ServiceError) as refusal:
+        patched(client, plain, tags=["a,b"])
+    assert refusal.value.problem["errors"][0]["field"] == "tags[0]"
+    with pytest.raises(ServiceError) as refusal:
+        patched(client, "0" * 32, name="x")
+    assert refusal.value.status == 404
+
+
+def test_a_run_that_is_removed_comes_back_with_name_and_result(notebook):
+    """It is neither listed nor answered meanwhile; a second restore finds it in place."""
+    client, (plain, *_) = notebook
+    patched(client, plain, name="kept")
+    csv = client.request("GET", f"/api/runs/{plain}/data")[2]
+    assert client.request("DELETE", f"/api/runs/{plain}")[0] == 204
+    assert plain not in [one["id"] for one in client.get("/api/runs")["runs"]]
+    with pytest.raises(ServiceError) as refusal:
+        client.get(f"/api/runs/{plain}")
+    assert refusal.value.status == 404
+    for _ in range(2):
+        assert client.post(f"/api/runs/{plain}/restore")["name"] == "kept"
+    assert client.request("GET", f"/api/runs/{plain}/data")[2] == csv
+
+
+def test_others_neither_edit_nor_restore_and_have_names_of_their_own(tmp_path):
+    """Two owners of one run: each has its own name, and gives up its share without a change for the other."""
+    with service(tmp_path, host="0.0.0.0", key=KEY, wait=60) as address:
+        ann, eve = browser(address), browser(address)
+        id = ann.post("/api/runs", spec_data())["id"]
+        stored(ann, id)
+        assert [one["mine"] for one in eve.get("/api/runs")["runs"]] == [False]
+        with pytest.raises(ServiceError) as refusal:
+            patched(eve, id, name="mine")
+        assert (refusal.value.status, refusal.value.problem["code"]) == (403, "run.not-owner")
+        patched(ann, id, name="of ann")
+        eve.post("/api/runs", spec_data())
+        patched(eve, id, name="of eve")
+        assert [one["name"] for one in ann.get("/api/runs")["runs"]] == ["of ann"]
+        assert eve.request("DELETE", f"/api/runs/{id}")[0] == 200
+        assert eve.get("/api/runs")["runs"] == [] and len(ann.get("/api/runs")["runs"]) == 1
+        assert eve.post(f"/api/runs/{id}/restore")["name"] == "of eve" and eve.get("/api/runs")["runs"][0]["mine"]
+        eve.request("DELETE", f"/api/runs/{id}")
+        assert ann.request("DELETE", f"/api/runs/{id}")[0] == 204
+        third = browser(address)
+        refused(third, "POST", f"/api/runs/{id}/restore")
+        assert ann.post(f"/api/runs/{id}/restore")["name"] == "of ann"
+        for client in (ann, eve, third):
+            client.close()
+
+
+def test_a_session_that_is_saved_is_in_the_list_as_one(notebook):
+    """With its changes relative to the experiment, plant included."""
+    client, _ = notebook
+    session = client.post("/api/sessions", {"experiment": "zhao-2012", "speed": None})
+    until(lambda: client.get(session["links"]["self"])["t"] > 1)
+    token = {"X-Control-Token": session["token"]}
+    id = json.loads(client.request("POST", session["links"]["save"], b"", token)[2])["id"]
+    stored(client, id)
+    until(lambda: [one["id"] for one in client.get("/api/runs?kind=session")["runs"]] == [id])
+    (line,) = client.get("/api/runs?kind=session")["runs"]
+    assert (line["experiment"], [c["path"] for c in line["changes"]]) == ("zhao-2012", ["horizon"])
+    client.request("DELETE", session["links"]["self"], headers=token)

@@ -1,0 +1,70 @@
+"""The page /runs/ as a notebook: find, choose, name, delete and bring back runs."""
+
+import pytest
+
+from tests.browser.live_helpers import until
+from tests.browser.test_accessibility import AXE, serious
+
+ROW = ".runs-table tr[data-run]"
+SHORT = {"horizon": 2.0, "evaluate": 0.01}
+
+
+@pytest.fixture(scope="module")
+def ids(server, context) -> list[str]:
+    """Return the ids of two short runs."""
+    changes = (SHORT, SHORT | {"seed": 3, "observers.adaptive.gains.lambda": 8})
+    requests = [{"experiment": "zhao-2012", "set": one} for one in changes]
+    answers = [context.request.post(f"{server}/api/runs?wait=60", data=one) for one in requests]
+    return [answer.json()["id"] for answer in answers]
+
+
+def listed(page, id: str, **more):
+    """Return the notebook once a run is in it and done."""
+    opened = page("/runs/", **more)
+    until(opened, f"document.querySelector('[data-run=\"{id}\"] input:enabled')")
+    return opened
+
+
+def test_runs_are_found_named_deleted_and_brought_back(page, ids):
+    """With the keyboard and the tray; deleting asks, and Undo brings back the name, too."""
+    plain, quick = ids
+    opened = listed(page, quick)
+    row = opened.locator(f"[data-run='{quick}']")
+    assert "λ 4 → 8" in row.inner_text() and "seed 1 → 3" in row.inner_text()
+    opened.keyboard.press("/")
+    opened.keyboard.type("lambda = 8")
+    until(opened, f"document.querySelectorAll('{ROW}').length === 1 && location.search.includes('lambda')")
+    row.locator(".dots3").click()
+    opened.fill("dialog input[name=name]", "quick")
+    opened.fill("dialog input[name=tags]", "fig. 4")
+    opened.click("dialog .run")
+    until(opened, f"document.querySelector('[data-run=\"{quick}\"] a').textContent === 'quick'")
+    assert opened.locator(".shelf button", has_text="fig. 4").count() == 1
+    row.locator("input").check()
+    opened.click(".tray [data-key=delete]")
+    assert "quick" in opened.locator("dialog").inner_text()
+    opened.click("dialog .run")
+    opened.locator(".notice").get_by_text("Deleted 1 run.").wait_for()
+    until(opened, f"!document.querySelector('[data-run=\"{quick}\"]')")
+    opened.click(".notice .b")
+    until(opened, f"document.querySelector('[data-run=\"{quick}\"] a')?.textContent === 'quick'")
+    row.locator(".c-name a").click()
+    opened.wait_for_url(f"**experiment=zhao-2012*run={quick}")
+    opened.wait_for_selector("h1")
+    assert opened.watch.errors == []
+
+
+@pytest.mark.parametrize(("width", "theme", "language"), [(1280, "dark", "en"), (390, "light", "zh")])
+def test_axe_finds_nothing_serious_in_the_notebook(page, ids, width, theme, language):
+    """With a chosen run, and on a phone, where the card chooses; nothing is wider than the window."""
+    opened = listed(page, ids[1], width=width, height=844, theme=theme)
+    if language == "zh":
+        opened.click(".top button[lang=zh]")
+        until(opened, "document.documentElement.lang === 'zh-CN' && document.querySelector('[data-run] input:enabled')")
+    row = opened.locator(f"[data-run='{ids[1]}']")
+    (row.locator(".c-changes") if width < 720 else row.locator("input")).click()
+    opened.locator(".tray:not([hidden])").first.wait_for()
+    opened.evaluate(AXE)
+    assert serious(opened) == []
+    assert opened.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert opened.watch.errors == []
