@@ -1384,6 +1384,15 @@ export interface MappingRequest {
   mapping?: ColumnMappingInput;
 }
 
+/** A measure of the compared observers; the smaller the better. */
+export interface MeasureRow {
+  /** Name of the measure. */
+  label: Text;
+  unit: string;
+  /** Value in each run; null: it has none. */
+  values: (number | null)[];
+}
+
 /** A test that the model failed. */
 export interface MisfitReason {
   /** bias, coloured, jump, driven, still, input-bounds, not-healthy, blind, unit, later or many. */
@@ -2855,6 +2864,18 @@ export interface RunChange {
   to: number | string | null;
 }
 
+/** Two to six runs compared, in the order in which they were asked for. */
+export interface RunComparison {
+  runs: (RunLine)[];
+  /** The observer that is compared in each run. */
+  observers: (string | null)[];
+  differences: (SettingRow)[];
+  /** Number of settings that are equal in all runs. */
+  same: number;
+  measures: (MeasureRow)[];
+  links: {[name: string]: string};
+}
+
 /** How many runs the list has, without filter, and how many were found. */
 export interface RunCounts {
   all: number;
@@ -3230,6 +3251,16 @@ export interface SetTruthNow {
   /** The truth in full; its `states` stay as they were when the run began. */
   truth: TruthInput;
   type: 'set-truth';
+}
+
+/** A setting in which the runs differ. */
+export interface SettingRow {
+  /** Path of the setting; items of lists by label, channel or output. */
+  path: string;
+  /** Name of the setting. */
+  label: Text;
+  /** Value in each run; null: it is not given. */
+  values: (number | string | null)[];
 }
 
 /** The settling of an estimate after one step of a fault. */

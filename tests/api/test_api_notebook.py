@@ -9,6 +9,7 @@ from tests.api.conftest import service, until
 from tests.api.test_api_owners import KEY, browser, refused
 from tests.runs.samples import spec_data
 from thetascope.client import Client, ServiceError
+from thetascope_schemas.service.notebook.comparison import RunComparison
 from thetascope_schemas.service.notebook.lines import RunList
 
 QUICK = {"experiment": "zhao-2012", "set": {"horizon": 2.0, "seed": 3, "observers.adaptive.gains.lambda": 8}}
@@ -143,3 +144,24 @@ def test_a_session_that_is_saved_is_in_the_list_as_one(notebook):
     (line,) = client.get("/api/runs?kind=session")["runs"]
     assert (line["experiment"], [c["path"] for c in line["changes"]]) == ("zhao-2012", ["horizon"])
     client.request("DELETE", session["links"]["self"], headers=token)
+
+
+def test_runs_are_compared_by_settings_measures_and_curves(notebook):
+    """Settings that differ have the value of each run; every fault and state has a curve of each run and the truth."""
+    client, (plain, quick, seed) = notebook
+    answer = client.get(f"/api/runs/compare?ids={plain},{quick},{seed}")
+    RunComparison.model_validate(answer)
+    assert {row["path"]: row["values"] for row in answer["differences"]} == {
+        "seed": [1, 3, 3],
+        "observers.adaptive.gains.lambda": [4, 8, 4],
+    }
+    assert answer["observers"] == ["adaptive"] * 3 and answer["same"] > 20
+    rmse = next(row["values"] for row in answer["measures"] if row["label"]["code"] == "measure.rmse")
+    summary = client.get(f"/api/runs/{quick}")["summary"]["observers"][0]
+    assert rmse[1] == summary["rmse_end"]["x1"] and len(rmse) == 3
+    figure = client.get(answer["links"]["figure"])
+    assert len(figure["data"]) == 4 * (3 + 2)  # three channels and two states, each with a truth and three estimates
+    for ids, status in ((plain, 422), (f"{plain},{'0' * 32}", 404), (",".join([plain] * 3), 422)):
+        with pytest.raises(ServiceError) as refusal:
+            client.get(f"/api/runs/compare?ids={ids}")
+        assert refusal.value.status == status

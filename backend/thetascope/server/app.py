@@ -37,7 +37,7 @@ from thetascope.api.routes import (
 )
 from thetascope.api.routes.figures import printed_figures
 from thetascope.api.routes.models import equations, gain_defaults, plant_trial
-from thetascope.api.routes.notebook import run_lines
+from thetascope.api.routes.notebook import run_comparison, run_lines
 from thetascope.api.sign_in.require_key import RequireKey
 from thetascope.engine.compiler import cache
 from thetascope.server import connections, prewarm
@@ -121,6 +121,7 @@ def _api() -> APIRouter:
         record_files,
         records,
         run_lines,
+        run_comparison,
         runs,
         run_results,
         printed_figures,

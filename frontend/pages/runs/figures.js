@@ -76,6 +76,16 @@ function enlarged(part) {
   return part;
 }
 
+/**
+ * Draw a figure, or draw it anew, in the width that its element has.
+ * @param {FigureBox['plot']} plot
+ * @param {PlotlyFigure} figure
+ */
+export async function drawFigure(plot, figure) {
+  const Plotly = await plotly();
+  await Plotly.react(plot, figure.data, fitted(figure.layout, plot.clientWidth), options());
+}
+
 /** @param {HTMLElement} root @param {RunStore} store */
 export function mountFigures(root, store) {
   /** @type {Map<string, FigureBox>} */

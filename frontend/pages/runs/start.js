@@ -7,4 +7,5 @@ const single = ['experiment', 'run', 'set', 'new'].some((name) => asked.has(name
 document.body.classList.toggle('single', single);
 document.body.classList.toggle('notebook', !single);
 if (single) await import('./runs.js');
+else if (asked.has('compare')) await import('./compare/compare.js');
 else await import('./notebook/notebook.js');

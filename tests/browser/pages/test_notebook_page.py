@@ -68,3 +68,24 @@ def test_axe_finds_nothing_serious_in_the_notebook(page, ids, width, theme, lang
     assert serious(opened) == []
     assert opened.evaluate("document.documentElement.scrollWidth <= innerWidth")
     assert opened.watch.errors == []
+
+
+def test_two_chosen_runs_are_compared(page, ids):
+    """The key C opens curves, the settings that differ and the measures, which a heading sorts; axe finds nothing."""
+    opened = listed(page, ids[1], theme="dark")
+    for id in ids:
+        opened.locator(f"[data-run='{id}'] input").check()
+    opened.keyboard.press("c")
+    opened.wait_for_selector(".compare-curves .plot .js-line", state="attached")
+    assert [row.split() for row in opened.locator("tbody").first.inner_text().splitlines()] == [
+        ["seed", "1", "3"],
+        ["λ", "4", "8"],
+    ]
+    opened.click(".compare-measures thead button >> nth=0")
+    assert opened.locator(".compare-measures [aria-sort=ascending]").count() == 1
+    values = [float(text) for text in opened.locator(".compare-measures tbody td:nth-child(2)").all_inner_texts()]
+    assert values == sorted(values)
+    opened.evaluate(AXE)
+    assert serious(opened) == [] and opened.watch.errors == []
+    opened.set_viewport_size({"width": 390, "height": 844})
+    until(opened, "document.documentElement.scrollWidth <= innerWidth")

@@ -23,12 +23,15 @@ export function createTray(root, act) {
     root.hidden = chosen.size === 0;
     if (root.hidden) return fill(root);
     const focused = root.contains(document.activeElement) ? document.activeElement?.getAttribute('data-key') : null;
+    const many = chosen.size >= FEWEST && chosen.size <= MOST;
     const own = lines.filter((line) => chosen.has(line.id) && line.mine);
     const pinned = own.length > 0 && own.every((line) => line.pinned);
     const ids = own.map((line) => line.id);
     fill(
       root,
       h('span', {role: 'status'}, t('page.notebook.chosen', {n: chosen.size})),
+      button('compare', many ? act.compare : null, [t('page.notebook.compare'), h('kbd', {}, 'C')], 'main'),
+      !many && h('span', {class: 'hint'}, t('page.notebook.compare.hint')),
       button('tag', own.length ? () => act.tag(own) : null, t('page.notebook.tag')),
       button(
         'pin',
