@@ -16,6 +16,8 @@ from urllib.parse import parse_qs, quote, urlencode, urlsplit
 
 import numpy as np
 
+from thetascope.frames import frame_of
+
 
 class ServiceError(Exception):
     """The service refused or failed. `problem` is its problem document, `status` the HTTP status."""
@@ -111,6 +113,22 @@ class Client:
         query |= {name: value for name, value in (("from", start), ("to", end)) if value is not None}
         found = self.get(f"/api/runs/{id}/data?{urlencode(query)}")["columns"]
         return {name: np.frombuffer(base64.b64decode(item["bdata"]), "<f8") for name, item in found.items()}
+
+    def frame(
+        self,
+        id: str,
+        kind: str = "polars",
+        columns: Sequence[str] | None = None,
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Any:
+        """Columns of a run as a frame of polars or pandas."""
+        return frame_of(self.data(id, columns, start, end), kind)
+
+    def print_figure(self, id: str, name: str, **settings: object) -> bytes:
+        """A figure of a run for a paper: format="pdf" (svg, png, tex), width=8.5 in cm, and the other options."""
+        body = json.dumps({"format": "pdf", **settings}).encode()
+        return self.request("POST", f"/api/runs/{id}/figures/{quote(name, safe='')}/print", body)[2]
 
     def figure(self, id: str, name: str, theme: str = "light") -> dict[str, Any]:
         """A figure of a run as Plotly's JSON."""

@@ -1,6 +1,7 @@
 """Runs and diagnoses in the process of the caller, without a service: `from thetascope import diagnose, run`."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from thetascope.assembly import RecordBytes, carry_out, prepare, record_experime
 from thetascope.assembly.analyses.record_diagnosis import columns_as_json
 from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import Result
+from thetascope.frames import frame_of
 from thetascope.runs.specs.refusals import from_engine, validated
 from thetascope.runs.specs.resolve_spec import library_experiment, plant_of, resolved, with_changes
 from thetascope.runs.specs.run_requests import parse_request
@@ -19,7 +21,19 @@ from thetascope_schemas.experiment.measurement import ColumnMapping, RecordSetti
 from thetascope_schemas.service.record_diagnosis import RecordDiagnosis
 
 
-def run(experiment: str | Mapping[str, object] | Experiment, changes: Mapping[str, object] | None = None) -> Result:
+@dataclass(frozen=True)
+class RunResult(Result):
+    """The result of a run, also as a frame."""
+
+    def frame(self, kind: str = "polars") -> Any:
+        """Return all columns as a frame of polars or pandas, which are imported by this call.
+
+        Raises ValueError for another kind, and ImportError where pandas is not installed.
+        """
+        return frame_of(dict(zip(self.names, self.data, strict=True)), kind)
+
+
+def run(experiment: str | Mapping[str, object] | Experiment, changes: Mapping[str, object] | None = None) -> RunResult:
     """Run an experiment and return its result, with the same numbers as the service and the command line.
 
     Nothing is stored, and none of the service's limits applies.
@@ -29,8 +43,8 @@ def run(experiment: str | Mapping[str, object] | Experiment, changes: Mapping[st
         changes: path → new value, for example {"noise.y.std": 0, "observers.adaptive.gains.rho": 8}.
 
     Returns:
-        The result: `names` of the columns, `data` of shape (columns, rows), `column(name)` of shape (rows,), and the
-        reports of the observers.
+        The result: `names` of the columns, `data` of shape (columns, rows), `column(name)` of shape (rows,), `frame()`
+        of polars or pandas, and the reports of the observers.
 
     Raises:
         Unknown: the library has no such experiment.
@@ -41,7 +55,7 @@ def run(experiment: str | Mapping[str, object] | Experiment, changes: Mapping[st
     else:
         spec = experiment if isinstance(experiment, Experiment) else parse_request(dict(experiment))
     try:
-        return prepare(resolved(with_changes(spec, changes or {}))).run()
+        return RunResult(**vars(prepare(resolved(with_changes(spec, changes or {}))).run()))
     except SpecError as error:
         raise from_engine(error, in_plant=True) from None
 

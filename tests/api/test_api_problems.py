@@ -129,10 +129,23 @@ def test_a_body_over_the_limit_in_chunks_is_cut_off(address):
 
 def test_a_body_of_another_type_is_refused(send):
     """415 names the type sent and the one required; a form on another site cannot start a run either."""
-    for kind in ("text/plain", "application/x-www-form-urlencoded", "application/yaml"):
+    for kind in ("text/plain", "application/x-www-form-urlencoded", "application/xml"):
         status, _, problem = send("POST", "/api/runs", "{}", {"Content-Type": kind})
         assert status == 415 and kind in problem["detail"]
     assert send("POST", "/api/runs", "{}", {})[0] == 415
+
+
+@pytest.mark.parametrize("kind", ["application/yaml", "text/yaml; charset=utf-8"])
+def test_a_body_in_yaml_is_read_as_the_same_in_json(client, send, kind):
+    """The run of an experiment is the same, and a wrong line is named."""
+    yaml = "# a comment\nexperiment: shen-hu-2015\nset:\n  horizon: 0.5\n"
+    spec = {"experiment": "shen-hu-2015", "set": {"horizon": 0.5}}
+    of_yaml = client.request("POST", "/api/runs?wait=60", yaml.encode(), {"Content-Type": kind})[2]
+    assert json.loads(of_yaml)["id"] == client.post("/api/runs?wait=60", spec)["id"]
+    status, _, problem = send("POST", "/api/runs", "experiment: a\n  set: b\n", {"Content-Type": kind})
+    assert status == 422 and "line 2" in problem["detail"]
+    status, _, problem = send("POST", "/api/runs", "experiment: &a [b, b]\nset: *a\n", {"Content-Type": kind})
+    assert status == 422 and "line 1" in problem["detail"]
 
 
 def test_unknown_addresses_and_methods_are_problem_documents(send):

@@ -177,3 +177,31 @@ def test_names_in_any_script_are_columns_and_paths(client):
     columns = client.data(run["id"], ["t", "x.ω", "u.力", "y.y_ω"])
     assert list(columns) == ["t", "x.ω", "u.力", "y.y_ω"]
     np.testing.assert_allclose(columns["x.ω"], 1 - np.exp(-2 * columns["t"]), atol=1e-8)
+
+
+def test_a_frame_has_the_columns_bit_for_bit(client, run):
+    """`Client.frame` returns polars by default, a part where one is asked for, and refuses another kind."""
+    exact, frame = client.data(run["id"]), client.frame(run["id"])
+    assert frame.columns == list(exact)
+    assert all(np.array_equal(frame[name].to_numpy(), exact[name], equal_nan=True) for name in exact)
+    assert client.frame(run["id"], columns=["t"], start=1, end=2).shape == (101, 1)
+    with pytest.raises(ValueError, match="polars or pandas"):
+        client.frame(run["id"], "arrow")
+
+
+def test_the_client_gets_a_figure_for_a_paper(client, run):
+    """`Client.print_figure` returns the bytes of the file."""
+    assert client.print_figure(run["id"], "faults", format="tex", panels=[1]).startswith(b"% Faults")
+
+
+def test_the_notebook_of_a_run_computes_the_same_numbers(client, run, capsys):
+    """Its cells run one after another without a service, and its own comparison holds."""
+    _, headers, content = client.request("GET", f"{run['links']['self']}/notebook")
+    notebook = json.loads(content)
+    assert headers["content-disposition"].endswith('.ipynb"') and notebook["nbformat"] == 4
+    names: dict = {}
+    for cell in notebook["cells"]:
+        if cell["cell_type"] == "code":
+            exec("".join(cell["source"]), names)
+    assert "bit for bit: True" in capsys.readouterr().out
+    assert names["frame"].columns == list(client.data(run["id"])) and len(names["axes"]) == 3

@@ -37,6 +37,10 @@ export function downloads({run, chosen, foreign, ranWith}) {
           download: '',
           title: t('page.runs.comparison.hint'),
         }),
+      link(t('page.export.notebook'), `${run.links.self}/notebook`, {
+        download: '',
+        title: t('page.export.notebook.hint'),
+      }),
       link(t('page.export.spec'), spec, {download: `${run.spec.id}.json`, title: t('page.export.spec.hint')}),
     ),
     !foreign && chosen !== null && command(chosen, JSON.parse(ranWith ?? '{}')),

@@ -47,7 +47,7 @@ RESPONSES = {
         404: "Nothing has this id; near matches are named.",
         409: "The run has no result (yet).",
         413: "The body is larger than the limit.",
-        415: "The body is not JSON.",
+        415: "The body is neither JSON nor YAML.",
         422: "The spec or a parameter is refused: field, value, remedy.",
         429: "This client has or uses as much as one client may; `Retry-After` says when to try again.",
         503: "The queue is full, or the store cannot be used.",

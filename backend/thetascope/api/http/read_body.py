@@ -14,7 +14,7 @@ from thetascope.api.http.problems import BodyProblem
 from thetascope.api.http.services import Services
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import validated
-from thetascope.runs.specs.sent_texts import json_of, valid_json
+from thetascope.runs.specs.sent_texts import json_of, valid_json, valid_yaml
 
 Value = TypeVar("Value")
 Model = TypeVar("Model", bound=BaseModel)
@@ -24,12 +24,20 @@ _LARGE = 64 * 1024
 largest that is allowed would take it from all others for a second."""
 
 
+_YAML = ("application/yaml", "application/x-yaml", "text/yaml")
+
+
 async def read_body(request: Request, limit: int) -> bytes:
     """Return the body if it is JSON of at most `limit` bytes. Raises :class:`BodyProblem` (413, 415)."""
-    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    kind = _kind(request)
     if kind != "application/json" and not (kind.startswith("application/") and kind.endswith("+json")):
         raise BodyProblem(415, Message("body.type", type=kind[:80]) if kind else Message("body.no-type"))
     return await read_bytes(request, limit)
+
+
+def _kind(request: Request) -> str:
+    """Return the media type of a body, without its parameters."""
+    return request.headers.get("content-type", "").partition(";")[0].strip().lower()
 
 
 async def read_bytes(request: Request, limit: int) -> bytes:
@@ -51,12 +59,16 @@ async def parsed(
     read: Callable[[Any], Model],
     then: Callable[[Model], Value] = lambda value: value,
 ) -> Value:
-    """Return the value of `then` for the model that `read` makes of the body's JSON, computed in a worker thread.
+    """Return the value of `then` for the model that `read` makes of a body in JSON or YAML, computed in a thread.
 
     Where the body names a plant that the client has saved, `read` gets it in full. It is a function of a module: a
-    large body is checked in a worker process first, and what it says is short then.
+    large body, and each in YAML, is checked in a worker process first, and what it says is short then.
     """
-    body = await read_body(request, services.settings.max_body)
+    if _kind(request) in _YAML:
+        text = await read_bytes(request, services.settings.max_body)
+        body = await computed(request, services, valid_yaml, text, read)
+    else:
+        body = await read_body(request, services.settings.max_body)
     if len(body) > _LARGE:
         body = await computed(request, services, valid_json, body, read)
     return await run_in_threadpool(lambda: then(read(with_plants(request, json_of(body)))))

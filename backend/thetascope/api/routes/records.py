@@ -87,7 +87,11 @@ async def fit_stored_record(request: Request, id: str, services: Use, language: 
     status_code=201,
     response_model=Run,
     openapi_extra=body_schema("RecordRunRequest"),
-    responses={202: {"model": Progress}, **documented(404, 413, 415, 422, 429, 503)},
+    responses={
+        200: {"model": Run, "description": "The same was run before: its run."},
+        202: {"model": Progress},
+        **documented(404, 413, 415, 422, 429, 503),
+    },
 )
 async def run_observers(request: Request, id: str, services: Use, language: Language, wait: Wait = None) -> Response:
     """Run observers on a stored record. The run has the record's diagnosis, figures, report, exports and a link.

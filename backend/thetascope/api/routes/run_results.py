@@ -17,6 +17,7 @@ from thetascope.export import (
     csv_chunks,
     json_chunks,
     matlab_bytes,
+    notebook_bytes,
     parquet_bytes,
     select,
 )
@@ -25,7 +26,7 @@ from thetascope.runs.jobs.job import Finished
 from thetascope.runs.results.comparison_rows import compared
 from thetascope.runs.results.engine_version import engine_version
 from thetascope.runs.run_report import report_html
-from thetascope.runs.specs.refusals import Unknown
+from thetascope.runs.specs.refusals import Unknown, invalid
 from thetascope.runs.specs.resolve_spec import plant_of
 from thetascope_schemas.service.answers import FigureList, PlotlyFigure
 from thetascope_schemas.service.comparison import Comparison
@@ -129,6 +130,25 @@ async def get_figure(
         except figures.UnknownFigure as error:
             hint = Message.from_data(suggestion(name[:80], error.names))
             raise Unknown(Message("figure.unknown", name=name[:80]), hint) from None
+
+    return await from_result(request, services, id, make)
+
+
+@router.get(
+    "/notebook",
+    response_class=Response,
+    responses={200: table_query.tables("ipynb"), **documented(404, 409, 422, 429)},
+)
+async def get_notebook(request: Request, id: str, services: Use) -> Response:
+    """Return a Jupyter notebook that computes the run again and compares the numbers. Records have none."""
+
+    def make(finished: Finished) -> Response:
+        snapshot = finished.snapshot
+        if finished.result.record is not None:
+            raise invalid("id", id, Message("notebook.record"))
+        name = f'attachment; filename="{snapshot.spec.id}-{id[:8]}.ipynb"'
+        content = notebook_bytes(finished.result, snapshot.spec, id)
+        return Response(content, 200, {"Content-Disposition": name}, MEDIA_TYPES["ipynb"])
 
     return await from_result(request, services, id, make)
 

@@ -32,6 +32,12 @@ def valid_json(body: bytes, read: Callable[[Any], BaseModel]) -> bytes:
     return value.model_dump_json(exclude_unset=True, context={"language": ALL}).encode()
 
 
+def valid_yaml(body: bytes, read: Callable[[Any], BaseModel]) -> bytes:
+    """Return a body in YAML that `read` accepts as JSON. Raises InvalidSpec, with line and column for no YAML."""
+    value = read(_data_of(body, "body.yaml"))
+    return value.model_dump_json(exclude_unset=True, context={"language": ALL}).encode()
+
+
 def record_of(body: bytes) -> tuple[str, bytes, Record]:
     """Return a record in JSON as the name and the bytes of a file, and the record without its samples.
 
@@ -55,12 +61,12 @@ def plant_of_text(text: bytes) -> Plant:
     return validated(Plant, _data_of(text))
 
 
-def _data_of(text: bytes) -> Any:
+def _data_of(text: bytes, name: str = "plant") -> Any:
     """Return the data of YAML or JSON text. Raises InvalidSpec with line and column."""
     try:
         return parse(text.decode("utf-8-sig")).data
     except UnicodeDecodeError as error:
-        raise invalid("", None, Message("document.no-utf8", name="plant", byte=error.start)) from None
+        raise invalid("", None, Message("document.no-utf8", name=name, byte=error.start)) from None
     except DocumentError as error:
         if error.place is None:
             raise invalid("", None, error.problem, error.remedy) from None
