@@ -3,6 +3,7 @@
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
+from pydantic import JsonValue
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
@@ -22,7 +23,6 @@ from thetascope.runs.specs.refusals import Unknown, from_engine
 from thetascope.runs.specs.resolve_spec import plant_of
 from thetascope.runs.specs.sent_texts import record_of
 from thetascope_schemas.experiment.measurement import ColumnMapping
-from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.answers import RecordList
 from thetascope_schemas.service.record import Record
 from thetascope_schemas.service.record_inspection import MappingRequest, RecordInspection, RecordPreview
@@ -150,9 +150,12 @@ async def preview_record(
     return Response(preview.model_dump_json(), media_type="application/json")
 
 
-@router.get("/{id}/plant", response_model=Plant, responses=documented(404))
+@router.get("/{id}/plant", response_model=dict[str, JsonValue], responses=documented(404))
 async def get_record_plant(request: Request, id: str, services: Use) -> Response:
-    """Return the plant that was chosen for a record last, in full, so that a plant of one's own is not lost."""
+    """Return the plant that was chosen for a record last, in full, so that a plant of one's own is not lost.
+
+    Its texts have all their languages, as in a body that defines a plant.
+    """
     record = await _found(request, services, id)
     if record.plant is None:
         raise Unknown(Message("record.no-plant"))
