@@ -53,7 +53,7 @@ def read_on(page, folder: Path, name: str, text: str, plant: str = TANK):
     """Give a page of records a plant of one's own and a file; return the page when it has been read or refused."""
     (folder / "plant.yaml").write_text(plant)
     (folder / name).write_text(text)
-    page.wait_for_selector("#plant option:nth-child(3)", state="attached")
+    page.locator("#plant option").nth(2).wait_for(state="attached")
     with page.expect_response("**/api/plants/read"):
         page.set_input_files("#plant-file", folder / "plant.yaml")
     page.wait_for_selector("#cancel", state="detached")

@@ -149,7 +149,7 @@ def test_axe_finds_nothing_serious_on_the_page_of_records(kept_page, tmp_path):
             found[name, theme] = serious(page)
 
     page = kept_page("/records/")
-    page.wait_for_selector("#plant option:nth-child(3)", state="attached")
+    page.locator("#plant option").nth(2).wait_for(state="attached")
     page.evaluate(AXE)
     look("empty")
     read_on(page, tmp_path, "broken.csv", "t,q,y\n0,1,2\n7\n")

@@ -119,14 +119,14 @@ def test_a_run_without_owners_belongs_to_the_machine(start, later):
         runs.remove(id, ANN)
     asked(runs, spec(), ANN)
     runs = later(start, runs)
-    assert not runs.remove(id, ANN) and runs._owners(id) == {MACHINE}
+    assert not runs.remove(id, ANN) and runs._owned.of(id) == {MACHINE}
 
 
 def test_what_scripts_own_by_the_key_is_for_all_who_have_it(start):
     """A browser removes its own share first."""
     runs = start()
     id = asked(runs, spec(), SCRIPT, ANN)
-    assert not runs.remove(id, ANN) and runs._owners(id) == {HOLDER}
+    assert not runs.remove(id, ANN) and runs._owned.of(id) == {HOLDER}
     assert runs.remove(id, BEN)
 
 
@@ -138,7 +138,7 @@ def test_a_result_that_is_computed_again_keeps_its_owners(start):
     again = runs.finished(id)
     if isinstance(again, Job):
         again.done.result(SECONDS)
-    assert runs._owners(id) == {ANN.owner}
+    assert runs._owned.of(id) == {ANN.owner}
 
 
 def test_a_damaged_run_that_is_computed_again_keeps_its_owners(start):
@@ -149,4 +149,4 @@ def test_a_damaged_run_that_is_computed_again_keeps_its_owners(start):
     with runs._store._database.writing() as connection:
         connection.exec_driver_sql("UPDATE runs SET spec = '{}'")
     assert asked(runs, spec(), EVE) == id
-    assert runs._owners(id) == {ANN.owner, EVE.owner} and not runs.remove(id, EVE)
+    assert runs._owned.of(id) == {ANN.owner, EVE.owner} and not runs.remove(id, EVE)

@@ -30,10 +30,17 @@ ABSTRACT = {"TimedFault", "ChannelFault", "MeasurementFault", "Timed", "Command"
 SAID = {"Hello", "Ack", "Refused", "Status", "Event", "Columns", "Rewound", "Jump", "Spec", "Assumptions"}
 # answers that are only sent, never read; tests/api/test_api_answers.py holds them to the service
 ANSWERS = "thetascope_schemas.service.answers"
+# the same beside schemas that are read: lists and comparisons of runs, descriptions of printed figures
+SENT = {
+    *("RunChange", "RunLine", "RunList", "SettingRow", "MeasureRow", "RunComparison"),
+    *("PrintedCurve", "PrintedPanel", "PrintedFigure"),
+}
 SCHEMAS = [
     s
     for s in every_schema()
-    if s.__module__.startswith("thetascope_schemas") and s.__module__ != ANSWERS and s.__name__ not in ABSTRACT | SAID
+    if s.__module__.startswith("thetascope_schemas")
+    and s.__module__ != ANSWERS
+    and s.__name__ not in ABSTRACT | SAID | SENT
 ]
 
 
