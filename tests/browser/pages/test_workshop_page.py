@@ -138,8 +138,8 @@ def test_the_pages_link_to_each_other_and_share_the_language(page, server):
     opened.wait_for_url(f"{server}/workshop/**")
     opened.click(".top button:text-is('中文')")
     until(opened, "document.querySelector('.pages [aria-current]')?.textContent === '工作台'")
-    opened.click(".pages a:text-is('仿真')")
+    opened.evaluate("document.querySelector('.pages a[href=\"/runs/\"]').click()")  # also while nothing is drawn
     opened.wait_for_url(f"{server}/runs/**")
     until(opened, "document.querySelector('.pages [aria-current]')?.textContent === '仿真'")
-    opened.click(".pages a:nth-child(1)")
+    opened.evaluate("document.querySelector('.pages a[href=\"/\"]').click()")
     until(opened, "document.querySelector('#panel-inject h2')?.textContent === '注入故障'")
