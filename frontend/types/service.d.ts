@@ -1970,7 +1970,7 @@ export interface PlantPreview {
   faulty: {[name: string]: {[name: string]: (number)[]}};
   /** Size of the fault, by channel. */
   sizes: {[name: string]: number};
-  /** Row i, column j: seconds until fault i is told from fault j, on the diagonal until it is found, for the best test that knows the onset; null: not within the experiment. */
+  /** Row i, column j: seconds until fault i is distinguished from j, on the diagonal until it is found, for the best test that knows the onset; null: not within the experiment. */
   seconds: ((number | null)[])[];
 }
 

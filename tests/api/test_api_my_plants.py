@@ -44,7 +44,7 @@ def test_a_text_with_errors_is_answered_with_places(client):
 
 
 def test_each_save_is_a_version_and_drafts_are_kept(client):
-    """Versions count from 1, the same text again is none, and a text with errors is saved as a draft."""
+    """Versions count from 1, the same text again adds none, and a text with errors is saved as a draft."""
     assert save(client, "tank-a", text("tank-a"))[0] == 201
     status, again = save(client, "tank-a", text("tank-a"))
     assert status == 200 and (again["version"], again["ready"], again["faults"]) == (1, True, 1)

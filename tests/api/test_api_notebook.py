@@ -23,8 +23,8 @@ def patched(client: Client, id: str, **notes: object) -> dict:
 
 
 def stored(client: Client, *ids: str, query: str = "") -> list[dict]:
-    """Return the runs of the list once those with these ids are stored."""
-    until(lambda: set(ids) <= {one["id"] for one in client.get("/api/runs")["runs"] if one["status"] == "done"})
+    """Return the runs of the list, in which those with these ids are as soon as they have been answered."""
+    assert set(ids) <= {one["id"] for one in client.get("/api/runs")["runs"] if one["status"] == "done"}
     return client.get(f"/api/runs?{query}")["runs"]
 
 

@@ -1,4 +1,4 @@
-"""Facts about a plant for the workshop: the experiment, the preview, what is told apart, which observers suit it."""
+"""Facts about a plant for the workshop: experiment, preview, faults that can be told apart, observers that suit it."""
 
 import math
 

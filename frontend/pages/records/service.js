@@ -120,7 +120,12 @@ export async function storedRuns(id, name, signal) {
 /** @param {string} id @param {AbortSignal} signal @returns {Promise<Plant | null>} */
 export const plantOf = (id, signal) => get(`${address(id)}/plant`, signal);
 
-/** The latest version of a plant that was saved. @param {string} id @param {AbortSignal} signal @returns {Promise<Plant>} */
+/**
+ * The latest version of a plant that was saved.
+ * @param {string} id
+ * @param {AbortSignal} signal
+ * @returns {Promise<Plant>}
+ */
 export async function saved(id, signal) {
   const {text} = await get(`/api/my-plants/${encodeURIComponent(id)}`, signal);
   return readPlant(text, signal);

@@ -1,4 +1,4 @@
-// The page of runs: an experiment with its run where the address names one, a comparison, else the notebook of all runs.
+// The page of runs: the experiment with its run, or the comparison, that the address names; else the notebook.
 
 export {}; // a module
 

@@ -37,7 +37,11 @@ export function createActions(store, editor) {
     }
   }
 
-  /** Show a plant; a text that was typed before and not saved comes back. @param {Source} source @param {string} text */
+  /**
+   * Show a plant; a text that was typed before and not saved comes back.
+   * @param {Source} source
+   * @param {string} text
+   */
   function show(source, text) {
     const earlier = kept(source);
     const next = earlier ?? text;
@@ -112,6 +116,7 @@ export function createActions(store, editor) {
 
   /** @type {ShopActions} */
   const act = {
+    tell: notice,
     openMine: (id, version) =>
       guarded(async () => {
         const plant = await service.open(id, version);

@@ -56,6 +56,7 @@ export interface ShopStore {
 }
 
 export interface ShopActions {
+  tell(text: string): void;
   openMine(id: string, version?: number): Promise<void>;
   openLibrary(id: string): Promise<void>;
   openTemplate(name: string): void;

@@ -117,18 +117,19 @@ store.set({library: plants, mine: own.plants, kinds: Object.fromEntries(observer
 await open();
 followChanges(store);
 
-/** Open what the address names: a plant of mine or the library, or a text in the fragment; else what is at hand. */
+/** Open the text or plant that the address names; without one, or from a damaged link, the plant saved last. */
 async function open() {
   const search = new URLSearchParams(location.search);
   const packed = new URLSearchParams(location.hash.slice(1)).get('p');
-  if (packed) {
-    try {
-      const content = /** @type {{text?: string}} */ (await unpack(packed));
-      if (typeof content?.text === 'string') return act.openText(content.text);
-    } catch {
-      // a damaged link opens what is at hand
-    }
-  }
+  if (packed === null) return openNamed(search);
+  const content = /** @type {{text?: unknown}} */ (await unpack(packed).catch(() => ({})));
+  if (typeof content.text === 'string') return act.openText(content.text);
+  await openNamed(search);
+  act.tell(t('page.notice.damaged-link'));
+}
+
+/** @param {URLSearchParams} search */
+async function openNamed(search) {
   const plant = search.get('plant');
   if (plant) return act.openMine(plant);
   const library = search.get('library');

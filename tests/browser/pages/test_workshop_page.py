@@ -132,14 +132,22 @@ def test_the_workshop_is_chinese_and_accessible_on_a_phone(page):
     assert opened.evaluate("document.documentElement.scrollWidth") <= 390
 
 
+def test_a_damaged_link_is_reported(page):
+    """Another plant is shown instead, and the page says that the link was not complete."""
+    opened = page("/workshop/#p=broken")
+    until(opened, "/link is damaged/.test(document.body.innerText) && document.querySelector('.cm-content')")
+    assert opened.watch.errors == []
+
+
 def test_the_pages_link_to_each_other_and_share_the_language(page, server):
     """All pages are one click away, and a chosen language applies to all."""
     opened = page("/plants/")
     opened.wait_for_url(f"{server}/workshop/**")
     opened.click(".top button:text-is('中文')")
     until(opened, "document.querySelector('.pages [aria-current]')?.textContent === '工作台'")
-    opened.evaluate("document.querySelector('.pages a[href=\"/runs/\"]').click()")  # also while nothing is drawn
+    opened.bring_to_front()
+    opened.click(".pages a:text-is('仿真')")
     opened.wait_for_url(f"{server}/runs/**")
     until(opened, "document.querySelector('.pages [aria-current]')?.textContent === '仿真'")
-    opened.evaluate("document.querySelector('.pages a[href=\"/\"]').click()")
+    opened.click(".pages a:nth-child(1)")
     until(opened, "document.querySelector('#panel-inject h2')?.textContent === '注入故障'")

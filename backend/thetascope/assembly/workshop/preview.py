@@ -1,10 +1,10 @@
-"""A preview of a plant: inputs and outputs, healthy and with each fault; after which time faults are told apart.
+"""A preview of a plant: inputs and outputs, healthy and with each fault; how long it takes to tell faults apart.
 
 The outputs are simulated without noise, once without faults and once with each fault of typical size from `onset` on.
 A fault is found when the sum of the squared changes of the outputs, in standard deviations of the noise, over all
-samples since its onset reaches 36: six standard deviations for the best linear test. It is told from another fault when
-the same holds for the part of these changes that no size of the other fault explains. Both are lower bounds: an
-observer needs longer, since it does not know the onset.
+samples since its onset reaches 36: six standard deviations for the best linear test. It is
+distinguished from another fault when the same holds for the part of these changes that no size of the other fault
+explains. Both are lower bounds: an observer needs longer, since it does not know the onset.
 """
 
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ class Preview:
         inputs, outputs: names and values (k,), without faults.
         faulty: outputs with the fault of each channel, by channel and output; not finite values end the lists.
         sizes: the size of the fault of each channel.
-        seconds: for channels i and j, seconds until fault i is told from fault j, on the diagonal until it is found;
+        seconds: for channels i and j, seconds until fault i is distinguished from j, on the diagonal until it is found;
             None: not within the experiment.
     """
 
@@ -74,7 +74,7 @@ def preview(spec: ResolvedExperiment) -> Preview:
 
 
 def separation(changes: list[np.ndarray], t: np.ndarray) -> list[list[float | None]]:
-    """Return after which time each fault is told from each other one, on the diagonal from no fault.
+    """Return the time until each fault is distinguished from each other one, on the diagonal from no fault.
 
     Args:
         changes: of the outputs by each fault, in standard deviations of the noise, arrays (k, m).

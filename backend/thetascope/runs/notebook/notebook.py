@@ -34,7 +34,8 @@ class Notebook:
             self._store.erase(time.time())
 
     def page(self, by: Principal, query: RunQuery) -> tuple[list[Line], Counts]:
-        """Return a page of the stored runs, and how many there are."""
+        """Return a page of the stored runs, also of those that have just ended, and how many there are."""
+        self._runs.written_in_order(lambda: None)
         self._complete()
         try:
             lines, counts = self._store.page(by.owner, query)
@@ -46,6 +47,7 @@ class Notebook:
 
     def line(self, id: str, by: Principal) -> Line:
         """Return a run of the list. Raises Unknown."""
+        self._runs.written_in_order(lambda: None)
         line = self._store.line(by.owner, id)
         if line is None:
             self._runs.get(id)  # raises Unknown with similar ids

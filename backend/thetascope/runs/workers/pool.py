@@ -283,7 +283,7 @@ class Workers:
             used()
 
     def _give_way(self, turn: Turn, seconds: float = 0.0) -> int:
-        """Return the nice value of a computation that took so many seconds; its process has it from now on.
+        """Return the nice value of a computation after these seconds of processor time, and give it to its process.
 
         While others are there one short computation of each client has the priority of theirs. Its further ones come
         after those of others, and long ones get what is left.
@@ -324,7 +324,7 @@ class Workers:
         return time_limit(computation.limits) if time.monotonic() > computation.deadline else None
 
     def _begin(self, turn: Turn) -> None:
-        """Hand the computation to an idle worker, or to a new one if there is none or it has ended.
+        """Hand the computation to an idle worker, or to a new one where none is idle or it has ended.
 
         A worker that gives way does so for the rest of its life: computations that must give way have theirs.
         """

@@ -7,9 +7,9 @@ from collections.abc import Callable
 LEFTOVERS = 20
 """A nice value above those of the system: such a process runs when a processor has nothing else to do."""
 _PRESENT = 10.0
-"""Seconds for which others give way to a client after its last request."""
+"""Seconds after its last request for which others give way to a client."""
 _RECENT, _TWICE = 30.0, 2
-"""A client with so many long computations within so many seconds gives way from the begin of the next one."""
+"""Seconds, and the number of long computations within them, after which a client gives way from the next one on."""
 _CLIENTS = 1000
 
 
@@ -45,6 +45,6 @@ class Precedence:
         return any(name != client and now - at <= _PRESENT for name, at in self._last_request.items())
 
     def gives_way(self, client: str) -> bool:
-        """Return whether the computations of a client give way from their begin, if others are there."""
+        """Return whether the computations of a client give way from their beginning, if others are there."""
         times = self._long.get(client, ())
         return len(times) == _TWICE and self._clock() - times[0] <= _RECENT

@@ -67,7 +67,13 @@ export function createTable(root, act) {
   return {show};
 }
 
-/** @param {string} name @param {string | null} field @param {string} kind @param {NotebookState} state @param {NotebookActions} act */
+/**
+ * @param {string} name
+ * @param {string | null} field
+ * @param {string} kind
+ * @param {NotebookState} state
+ * @param {NotebookActions} act
+ */
 function heading(name, field, kind, {filter}, act) {
   const words = t(`page.notebook.column.${name}`);
   if (field === null) return h('th', {class: `${kind} c-${name}`}, words);
@@ -96,7 +102,12 @@ function byGroup(lines, group) {
 /** Tags as the server writes them. @param {string[]} tags */
 const keyOfTags = (tags) => (tags.length ? `[${tags.map((tag) => JSON.stringify(tag)).join(', ')}]` : '[]');
 
-/** @param {string} key @param {service.RunGroup | undefined} found @param {service.RunLine[]} runs @param {string} group */
+/**
+ * @param {string} key
+ * @param {service.RunGroup | undefined} found
+ * @param {service.RunLine[]} runs
+ * @param {string} group
+ */
 function groupRow(key, found, runs, group) {
   const title =
     group === 'tags'

@@ -52,7 +52,12 @@ export function createTray(root, act) {
   return {show};
 }
 
-/** @param {string} key @param {(() => unknown) | null} onclick @param {import('../../../types/dom.js').Child} words @param {string} [more] */
+/**
+ * @param {string} key
+ * @param {(() => unknown) | null} onclick
+ * @param {import('../../../types/dom.js').Child} words
+ * @param {string} [more]
+ */
 const button = (key, onclick, words, more = '') =>
   h('button', {type: 'button', class: `b ${more}`, 'data-key': key, disabled: !onclick, onclick}, words);
 

@@ -1,4 +1,4 @@
-// The matrix of faults: seconds until each is found, and until it is told from each other one.
+// The matrix of faults: seconds until each is found, and until it is distinguished from each other one.
 
 import {h, number} from '../../../common/dom.js';
 import {badges} from '../../../common/names.js';

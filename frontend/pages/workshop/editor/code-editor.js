@@ -12,8 +12,9 @@ import {errorLine} from './error-line.js';
 /** @typedef {typeof import('../../../../tools/editor/codemirror.js')} CodeMirror */
 /** @typedef {{errors: readonly TextError[], apply: (error: TextError) => void}} Shown */
 
-const CALLS =
-  /\b(?:a?(?:sin|cos|tan)h?|atan2|exp|log|sqrt|abs|sign|min|max|clip|heaviside|step|floor|where|spow|backlash|interp)(?=\()|(?<![\w.])\d+\.?\d*(?:e[+-]?\d+)?(?![\w.])/g;
+const FUNCTIONS =
+  'a?(?:sin|cos|tan)h?|atan2|exp|log|sqrt|abs|sign|min|max|clip|heaviside|step|floor|where|spow|backlash|interp';
+const CALLS = new RegExp(`\\b(?:${FUNCTIONS})(?=\\()|(?<![\\w.])\\d+\\.?\\d*(?:e[+-]?\\d+)?(?![\\w.])`, 'g');
 
 /**
  * @param {CodeMirror} cm

@@ -1,4 +1,4 @@
-// A fault by pointing: patterns for one equation. The chosen one is in the text at once, so that all consequences are in
+// A fault by pointing: patterns for one equation. The chosen one is written into the text immediately: its consequences are in
 // sight; cancelling takes it out again.
 
 import {fill, h, number, symbol} from '../../../common/dom.js';
@@ -248,7 +248,7 @@ function show(store, editor, name, patterns, anchor) {
 }
 
 /**
- * After which time the new fault is told from all others.
+ * The time until the new fault is distinguished from all others.
  * @param {wire.PlantTrial | null} trial
  * @param {string} name
  */

@@ -45,8 +45,8 @@ class PlantPreview(Strict):
     )
     sizes: dict[str, Number] = Field(description="Size of the fault, by channel.")
     seconds: tuple[tuple[Number | None, ...], ...] = Field(
-        description="Row i, column j: seconds until fault i is told from fault j, on the diagonal until it is found, "
-        "for the best test that knows the onset; null: not within the experiment."
+        description="Row i, column j: seconds until fault i is distinguished from j, on the diagonal until it is "
+        "found, for the best test that knows the onset; null: not within the experiment."
     )
 
 

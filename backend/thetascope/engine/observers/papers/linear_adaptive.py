@@ -58,7 +58,7 @@ def default_lambda(context: Context) -> list[float]:
 
 
 def chain_slopes(model: Model) -> list[Expr | None]:
-    """Return c, and the constant factor of the next state in each state's rate; None where there is none (n,)."""
+    """Return c, and the factor of the next state in each state's rate (n,); None where it is not constant."""
     flat = model.f.xreplace(model.expansion)
     return [output_slope(model), *(_factor(flat[i], model.x[i + 1], model) for i in range(model.n - 1))]
 
@@ -66,8 +66,8 @@ def chain_slopes(model: Model) -> list[Expr | None]:
 def to_chain(context: Context, slopes: Sequence[float]) -> np.ndarray:
     """Return the diagonal of T (n,) for the numbers of `chain_slopes`, 0 for None.
 
-    Where a plant has no such factor, it is no chain. Then the median slope along the healthy run takes its place, or if
-    that is 0 the scales of both states.
+    A plant without such a factor is not a chain of integrators. Then the median slope along the healthy run takes its
+    place, or if that is 0 the scales of both states.
     """
     x, y, omega = context.scales.states, context.scales.outputs[0], _FAST * pace(context)
     along = context.scales.chain or (0.0,) * context.n
