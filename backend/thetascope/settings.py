@@ -50,6 +50,8 @@ class Settings:
     published: str = ""
     #: Further names of this service, separated by commas; loopback names and addresses as numbers are always accepted.
     hosts: str = ""
+    #: Origins of pages of other sites that may use this service, separated by commas, as `https://lab.example.org`.
+    origins: str = ""
     #: Access key; "": a random one, created when it is needed. `open`: whether nobody is asked for it (1).
     key: str = field(default="", repr=False)
     open: int = 0

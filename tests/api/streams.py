@@ -71,12 +71,13 @@ class Page:
 
 @contextmanager
 def watching(
-    address: str, session: dict, token: str | None = None, query: str = "", **options: object
+    address: str, session: dict, token: str | None = None, query: str = "", also: str | None = None, **options: object
 ) -> Iterator[Page]:
-    """Connect to a session with its own token, with another one, or with none ("")."""
+    """Connect to a session with its own token, with another one, or with none (""). `also`: a further subprotocol."""
     token = session["token"] if token is None else token
     url = f"ws{address.removeprefix('http')}{session['links']['stream']}?{query}"
     offered = [Subprotocol(SUBPROTOCOL)] + ([Subprotocol(TOKEN + token)] if token else [])
+    offered += [Subprotocol(also)] if also else []
     with connect(url, subprotocols=offered, max_size=None, compression=None, close_timeout=1, **options) as connection:
         yield Page(connection)
 

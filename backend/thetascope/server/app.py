@@ -83,7 +83,7 @@ def create_app(settings: Settings | None = None, database: Database | None = Non
     app.state.gate = Gate(settings)
     app.add_middleware(RequireKey, gate=app.state.gate, settings=settings)
     app.add_middleware(ContentLanguage)
-    app.state.hosts = AllowedHosts(settings.hosts, settings.host)
+    app.state.hosts = AllowedHosts(settings.hosts, settings.host, settings.origins)
     app.add_middleware(Security, hosts=app.state.hosts)
     app.add_middleware(RequestLog, metrics=metrics)  # the outermost: it sees every request and answer
     app.state.metrics = metrics

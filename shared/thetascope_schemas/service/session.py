@@ -38,6 +38,7 @@ PROTOCOL_VERSION = 1
 HEADER = "<IIQII"
 SUBPROTOCOL = "thetascope"  # the one that the service selects
 TOKEN = "token."  # prefix of the offered subprotocol that carries the control token
+KEY = "key."  # prefix of the one that carries the access key in base64url, for pages of other sites
 # ---- close codes (application range of RFC 6455) -------------------------------------------------------------
 CLOSE_NO_SESSION = 4404  # the session does not exist, or has ended
 CLOSE_ORIGIN = 4403  # the page comes from another origin

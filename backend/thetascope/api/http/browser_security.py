@@ -2,6 +2,7 @@
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
+from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
@@ -26,13 +27,25 @@ _HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
 }
 _SAFE = {"GET", "HEAD", "OPTIONS"}
+_CROSS_SITE = {
+    "Access-Control-Expose-Headers": "Location, ETag, Retry-After, Content-Disposition, X-Request-ID",
+    "Cross-Origin-Resource-Policy": "cross-origin",
+}
+_PREFLIGHT = {
+    "Access-Control-Allow-Methods": "GET, HEAD, POST, PUT, PATCH, DELETE",
+    "Access-Control-Allow-Headers": (
+        "Content-Type, Accept-Language, Authorization, If-None-Match, X-Access-Key, X-Client, X-Control-Token"
+    ),
+    "Access-Control-Max-Age": "600",
+}
 
 
 class Security:
     """Adds headers that a response does not set itself.
 
     Refuses requests under a name that is not this service's, and changes and websockets requested by pages of other
-    sites.
+    sites. Pages of the origins in the setting may read answers and change things (CORS). They have no cookies here:
+    what they ask for with credentials cannot be read, and a cookie that a browser sends with it is removed.
     """
 
     def __init__(self, app: ASGIApp, hosts: AllowedHosts) -> None:
@@ -47,13 +60,21 @@ class Security:
             ):
                 await close_socket(websocket, CLOSE_ORIGIN, Wording("session.close.origin"))
                 return
+            if self._hosts.other_site(websocket.headers) is not None:
+                scope = _without_cookies(scope)
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
 
+        other = self._hosts.other_site(Headers(scope=scope))
+
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
+                if self._hosts.lists_origins:
+                    headers.add_vary_header("Origin")
+                if other is not None:
+                    headers.update({"Access-Control-Allow-Origin": other} | _CROSS_SITE)
                 for name, value in _HEADERS.items():
                     headers.setdefault(name, value)
             await send(message)
@@ -62,6 +83,11 @@ class Security:
             document = problem(*refusal, language=language_of(Request(scope)))
             await problem_response(document)(scope, receive, send_with_headers)
             return
+        if other is not None:
+            scope = _without_cookies(scope)
+            if _is_preflight(scope):
+                await Response(status_code=204, headers=_PREFLIGHT)(scope, receive, send_with_headers)
+                return
         await self._app(scope, receive, send_with_headers)
 
     def _refusal(self, scope: Scope) -> tuple[int, Wording] | None:
@@ -73,6 +99,16 @@ class Security:
         if scope["method"] not in _SAFE and not self._hosts.may_change(headers):
             return 403, Wording("http.cross-site")
         return None
+
+
+def _is_preflight(scope: Scope) -> bool:
+    """Return whether a browser asks whether it may send a request. It shows no key with that."""
+    return scope["method"] == "OPTIONS" and "access-control-request-method" in Headers(scope=scope)
+
+
+def _without_cookies(scope: Scope) -> Scope:
+    """Return the scope of a request or websocket without its cookies."""
+    return {**scope, "headers": [(name, value) for name, value in scope["headers"] if name.lower() != b"cookie"]}
 
 
 async def close_socket(websocket: WebSocket, code: int, reason: Wording) -> None:
