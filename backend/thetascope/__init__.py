@@ -5,14 +5,21 @@ from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
 
-__all__ = ["Client", "__version__", "diagnose", "run"]
+__all__ = ["Client", "__version__", "diagnose", "linearise", "linearise_observer", "run", "to_control"]
 
 if TYPE_CHECKING:
     from thetascope.client import Client as Client
     from thetascope.in_process import diagnose as diagnose
     from thetascope.in_process import run as run
+    from thetascope.linear import linearise as linearise
+    from thetascope.linear import linearise_observer as linearise_observer
+    from thetascope.linear import to_control as to_control
 
-_MODULES = {"Client": "thetascope.client", "diagnose": "thetascope.in_process", "run": "thetascope.in_process"}
+_MODULES = {
+    "Client": "thetascope.client",
+    **dict.fromkeys(("diagnose", "run"), "thetascope.in_process"),
+    **dict.fromkeys(("linearise", "linearise_observer", "to_control"), "thetascope.linear"),
+}
 
 
 def __getattr__(name: str) -> object:

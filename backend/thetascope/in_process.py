@@ -13,8 +13,8 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import Result
 from thetascope.frames import frame_of
 from thetascope.runs.specs.refusals import from_engine, validated
-from thetascope.runs.specs.resolve_spec import library_experiment, plant_of, resolved, with_changes
-from thetascope.runs.specs.run_requests import parse_request
+from thetascope.runs.specs.resolve_spec import plant_of, resolved
+from thetascope.runs.specs.run_requests import experiment_of
 from thetascope.store import record_id
 from thetascope_schemas import Experiment, ObserverConfig, Plant
 from thetascope_schemas.experiment.measurement import ColumnMapping, RecordSettings
@@ -50,12 +50,9 @@ def run(experiment: str | Mapping[str, object] | Experiment, changes: Mapping[st
         Unknown: the library has no such experiment.
         InvalidSpec: the experiment is refused; it names the fields, the problems and the remedies.
     """
-    if isinstance(experiment, str):
-        spec = library_experiment(experiment)
-    else:
-        spec = experiment if isinstance(experiment, Experiment) else parse_request(dict(experiment))
+    spec = resolved(experiment_of(experiment, changes))
     try:
-        return RunResult(**vars(prepare(resolved(with_changes(spec, changes or {}))).run()))
+        return RunResult(**vars(prepare(spec).run()))
     except SpecError as error:
         raise from_engine(error, in_plant=True) from None
 

@@ -1,5 +1,6 @@
 """Body of POST /api/runs and content of an experiment file: an experiment, or one of the library with changes."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from pydantic import Field, JsonValue
@@ -29,3 +30,10 @@ def parse_request(data: Any) -> Experiment:
         request = validated(RunRequest, data)
         return with_changes(library_experiment(request.experiment), request.set)
     return validated(Experiment, data)
+
+
+def experiment_of(given: str | Mapping[str, object] | Experiment, changes: Mapping[str, object] | None) -> Experiment:
+    """Return an experiment that is given by id, as data or as it is, with changes by path. Raises as parse_request."""
+    if isinstance(given, str):
+        return with_changes(library_experiment(given), changes or {})
+    return with_changes(given if isinstance(given, Experiment) else parse_request(dict(given)), changes or {})
