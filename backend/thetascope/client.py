@@ -17,6 +17,7 @@ from urllib.parse import parse_qs, quote, urlencode, urlsplit
 import numpy as np
 
 from thetascope.frames import frame_of
+from thetascope.progress import Shown, progress_bar
 
 
 class ServiceError(Exception):
@@ -80,24 +81,35 @@ class Client:
         return self.get(f"/api/experiments/{quote(id, safe='')}")
 
     def run(
-        self, experiment: str | Mapping[str, Any], changes: Mapping[str, Any] | None = None, wait: bool = True
+        self,
+        experiment: str | Mapping[str, Any],
+        changes: Mapping[str, Any] | None = None,
+        wait: bool = True,
+        progress: Shown = None,
     ) -> dict[str, Any]:
         """Run a library experiment (by id, with changes by path) or a whole spec, and wait for its end.
 
-        With `wait=False` the answer may be a run that is queued or running; :meth:`wait` waits for it.
+        With `wait=False` the answer may be a run that is queued or running; :meth:`wait` waits for it. `progress`: as
+        there.
         """
+        path = "/api/runs" if progress is False else "/api/runs?wait=0.5"
         if isinstance(experiment, str):
-            run = self.post("/api/runs", {"experiment": experiment, "set": dict(changes or {})})
+            run = self.post(path, {"experiment": experiment, "set": dict(changes or {})})
         elif changes:
             raise ValueError("changes by path are for library experiments; change the spec itself")
         else:
-            run = self.post("/api/runs", experiment)
-        return self.wait(run["id"]) if wait and run["status"] in ("queued", "running") else run
+            run = self.post(path, experiment)
+        return self.wait(run["id"], progress) if wait and run["status"] in ("queued", "running") else run
 
-    def wait(self, id: str) -> dict[str, Any]:
-        """The run when it has ended."""
-        while self.get(f"/api/runs/{id}/progress?wait=30")["status"] in ("queued", "running"):
-            pass
+    def wait(self, id: str, progress: Shown = None) -> dict[str, Any]:
+        """The run when it has ended. `progress`: whether to show a bar, or a function of the share done.
+
+        None: in a terminal and in a notebook.
+        """
+        seconds = 30 if progress is False else 0.3
+        with progress_bar(progress) as show:
+            while (now := self.get(f"/api/runs/{id}/progress?wait={seconds}"))["status"] in ("queued", "running"):
+                show(now["progress"])
         return self.get(f"/api/runs/{id}")
 
     def cancel(self, id: str) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from thetascope.assembly.analyses.record_diagnosis import columns_as_json
 from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import Result
 from thetascope.frames import frame_of
+from thetascope.progress import Shown, progress_bar
 from thetascope.runs.specs.refusals import from_engine, validated
 from thetascope.runs.specs.resolve_spec import plant_of, resolved
 from thetascope.runs.specs.run_requests import experiment_of
@@ -33,7 +34,11 @@ class RunResult(Result):
         return frame_of(dict(zip(self.names, self.data, strict=True)), kind)
 
 
-def run(experiment: str | Mapping[str, object] | Experiment, changes: Mapping[str, object] | None = None) -> RunResult:
+def run(
+    experiment: str | Mapping[str, object] | Experiment,
+    changes: Mapping[str, object] | None = None,
+    progress: Shown = None,
+) -> RunResult:
     """Run an experiment and return its result, with the same numbers as the service and the command line.
 
     Nothing is stored, and none of the service's limits applies.
@@ -41,6 +46,8 @@ def run(experiment: str | Mapping[str, object] | Experiment, changes: Mapping[st
     Args:
         experiment: id of a library experiment, an experiment as data (as posted to /api/runs), or an `Experiment`.
         changes: path → new value, for example {"noise.y.std": 0, "observers.adaptive.gains.rho": 8}.
+        progress: whether to show a progress bar; None: in a terminal and in a notebook. Or a function that gets the
+            share done, from 0 to 1.
 
     Returns:
         The result: `names` of the columns, `data` of shape (columns, rows), `column(name)` of shape (rows,), `frame()`
@@ -52,7 +59,9 @@ def run(experiment: str | Mapping[str, object] | Experiment, changes: Mapping[st
     """
     spec = resolved(experiment_of(experiment, changes))
     try:
-        return RunResult(**vars(prepare(spec).run()))
+        with progress_bar(progress) as show:
+            show(0.0)
+            return RunResult(**vars(prepare(spec).run(show)))
     except SpecError as error:
         raise from_engine(error, in_plant=True) from None
 

@@ -54,6 +54,20 @@ def test_the_examples_of_bodies_are_accepted(client, path):
             assert client.request("POST", path, json.dumps(body).encode())[0] in (200, 201, 202)
 
 
+def test_bodies_may_be_yaml_where_the_document_says_so(client):
+    """All bodies but the samples of a record: the document names YAML for them, and the service reads it."""
+    operations = [o for path in client.get("/openapi.json")["paths"].values() for o in path.values()]
+    bodies = [o["requestBody"]["content"] for o in operations if isinstance(o, dict) and "requestBody" in o]
+    json_only = [content for content in bodies if "application/json" in content and "application/yaml" not in content]
+    samples = "#/components/schemas/Record"
+    assert len(bodies) > 15 and all(c["application/json"]["schema"].get("$ref") == samples for c in json_only)
+    kind = {"Content-Type": "application/yaml"}
+    status, _, answer = client.request("POST", "/api/equations", b"plant: dc-motor\nobservers: [joint-ekf]\n", kind)
+    assert status == 200 and list(json.loads(answer)["observers"]) == ["joint-ekf"]
+    session = client.post("/api/sessions", {"experiment": "dc-motor", "play": False})
+    assert client.request("POST", session["links"]["fork"], b"t: 0\n", kind)[0] == 201
+
+
 def test_a_refusal_with_a_number_that_is_not_finite_is_a_refusal(client):
     """The number of samples of a period of 5e-324 s is infinite, which JSON cannot say."""
     from thetascope.client import ServiceError

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import TextIO
 
 from thetascope.cli.words import Words
+from thetascope.progress import TerminalBar
 
-_WIDTH = 32
 _PATIENCE = 0.4
 """Seconds after which a bar appears."""
 _PLAIN_EVERY = 5.0
@@ -21,6 +21,7 @@ class Progress:
         self._say = say
         self._stream = stream or sys.stderr
         self._terminal = self._stream.isatty()
+        self._bar = TerminalBar(self._stream)
         self._quiet = quiet
         self._start = time.monotonic()
         self._shown = self._start + (_PATIENCE - 0.1 if self._terminal else 0.0)
@@ -36,18 +37,16 @@ class Progress:
         if share > 0.01:
             left = self._say("cli.time-left", seconds=(now - self._start) * (1 - share) / share)
         if self._terminal:
-            full = round(share * _WIDTH)
-            self._stream.write(f"\r{'█' * full}{'░' * (_WIDTH - full)} {share:4.0%}  {left}\x1b[K")
+            self._bar.draw(share, left)
             self._drawn = True
         else:
             self._stream.write(f"{share:.0%}, {left}\n")
-        self._stream.flush()
+            self._stream.flush()
 
     def close(self) -> None:
         """Remove the bar."""
         if self._drawn:
-            self._stream.write("\r\x1b[K")
-            self._stream.flush()
+            self._bar.clear()
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

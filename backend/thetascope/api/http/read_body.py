@@ -88,8 +88,9 @@ def _too_large(size: int, limit: int) -> BodyProblem:
     return BodyProblem(413, Message("body.too-large", size=size, limit=limit))
 
 
-def body_schema(*models: str) -> dict[str, Any]:
-    """Return the `openapi_extra` of a route whose body has one of these schemas of the contract."""
+def body_schema(*models: str, yaml: bool = True) -> dict[str, Any]:
+    """Return the `openapi_extra` of a route whose body has one of these schemas, in JSON or (with `yaml`) in YAML."""
     refs = [{"$ref": f"#/components/schemas/{model}"} for model in models]
     schema = refs[0] if len(refs) == 1 else {"anyOf": refs}
-    return {"requestBody": {"required": True, "content": {"application/json": {"schema": schema}}}}
+    kinds = ("application/json", _YAML[0]) if yaml else ("application/json",)
+    return {"requestBody": {"required": True, "content": {kind: {"schema": schema} for kind in kinds}}}

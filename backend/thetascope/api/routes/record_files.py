@@ -30,7 +30,7 @@ from thetascope_schemas.texts.local_text import ALL
 
 router = APIRouter(prefix="/records", tags=["diagnosis"])
 
-_BODY = body_schema("Record")
+_BODY = body_schema("Record", yaml=False)
 _BODY["requestBody"]["content"]["application/octet-stream"] = {"schema": {"type": "string", "format": "binary"}}
 Intervals = Annotated[int, Query(ge=1, le=5000, description="Number of intervals of time.")]
 

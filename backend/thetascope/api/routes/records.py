@@ -34,7 +34,7 @@ Answer = TypeVar("Answer")
 @router.post(
     "/diagnosis",
     response_model=RecordDiagnosis,
-    openapi_extra=body_schema("Record"),
+    openapi_extra=body_schema("Record", yaml=False),
     responses=documented(404, 413, 415, 422),
 )
 async def diagnose_record(request: Request, services: Use, language: Language) -> Response:

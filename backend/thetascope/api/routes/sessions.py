@@ -21,7 +21,7 @@ from thetascope.api.http.computed import (
 )
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import PROBLEM, documented, problem_response
-from thetascope.api.http.read_body import body_schema, parsed_as, read_body
+from thetascope.api.http.read_body import body_schema, parsed_as
 from thetascope.api.http.request_bodies import ForkRequest, SessionRequest
 from thetascope.api.http.services import Services, Use
 from thetascope.api.operation.request_log import audit
@@ -36,8 +36,7 @@ from thetascope.live.wire.localize import encode
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Snapshot
 from thetascope.runs.specs.problem_documents import problem
-from thetascope.runs.specs.refusals import NotReady, Unknown, from_engine, invalid, validated
-from thetascope.runs.specs.sent_texts import json_of
+from thetascope.runs.specs.refusals import NotReady, Unknown, from_engine, invalid
 from thetascope_schemas.experiment.diagnosis import InputProposal
 from thetascope_schemas.experiment.experiment import ResolvedExperiment
 from thetascope_schemas.service.answers import SessionOpened, SessionState
@@ -143,7 +142,7 @@ async def end_session(
 async def fork_session(request: Request, id: str, services: Use, language: Language) -> Response:
     """Open a second session with the same past up to now, or up to `t`. It has its own token."""
     room = _room(services, id)
-    body = validated(ForkRequest, await _optional(request, services))
+    body = await _optional(request, services)
     if body.t is not None and body.t > room.t + 0.5 * room.session.record:
         raise invalid("t", body.t, Message("session.fork.beyond-now", t=room.t))
     try:
@@ -283,8 +282,8 @@ def _named(id: str, suffix: str) -> dict[str, str]:
     return {"Content-Disposition": f'attachment; filename="session-{id[:8]}.{suffix}"'}
 
 
-async def _optional(request: Request, services: Services) -> Any:
-    """Return the JSON of an optional body."""
+async def _optional(request: Request, services: Services) -> ForkRequest:
+    """Return the body of a fork, which may be left out."""
     if request.headers.get("content-length", "0") == "0" and "transfer-encoding" not in request.headers:
-        return {}
-    return json_of(await read_body(request, services.settings.max_body))
+        return ForkRequest()
+    return await parsed_as(request, services, ForkRequest)
