@@ -83,6 +83,9 @@ class Settings:
     #: access key may have a quarter of it.
     max_record: int = 64 * 1024**2
     record_limit: int = 2 * 1024**3
+    #: Room for saved plants in the store, with all their versions; one client that needs the access key may have a
+    #: quarter of it.
+    plant_limit: int = 1024**3
     #: Largest run: integration steps (horizon / step), numbers recorded (bytes of the result).
     max_steps: int = 20_000_000
     max_result: int = 256 * 1024**2

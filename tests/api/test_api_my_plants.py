@@ -5,6 +5,7 @@ import json
 import pytest
 
 from tests.api.conftest import service
+from tests.api.test_api_large_bodies import computations
 from tests.api.test_api_owners import KEY, browser
 from tests.runs.plants.test_text_check import TEXT
 from thetascope.client import Client, ServiceError
@@ -110,6 +111,50 @@ def test_a_draft_is_refused_with_its_error(client):
     save(client, "tank-e", "id: [")
     with pytest.raises(ServiceError, match="cannot be read"):
         client.post("/api/runs", {**RUN, "plant": "tank-e"})
+
+
+@pytest.mark.parametrize("size", ["small", "large"])
+def test_a_large_text_is_read_in_workers_whenever_it_is_named(client, address, size):
+    """Saving reads it there, and each request that names it: YAML of a megabyte takes seconds. Small ones need none."""
+    content = text(f"tank-{size}") + f"# {'x' * 100}\n" * (200 if size == "large" else 0)
+    draft = content.replace("kind: ", "knd: ")
+    assert save(client, f"tank-{size}", draft)[1]["ready"] is False
+    assert save(client, f"tank-{size}", content)[1]["ready"] is True
+    before = computations(address)
+    assert client.get(f"/api/plants/tank-{size}")["id"] == f"tank-{size}"
+    assert computations(address) - before == (size == "large")
+    spec = {"plant": f"tank-{size}@1", "horizon": 1}
+    for path, body, field in (("gains", spec, "plant"), ("sessions", {"spec": spec}, "spec.plant")):
+        with pytest.raises(ServiceError, match=rf" {field}\.channels"):
+            client.post(f"/api/{path}", body)
+    assert computations(address) - before == 3 * (size == "large")
+
+
+def test_a_body_names_a_saved_plant_in_two_places_only(client, address):
+    """A body that nests specs is refused without reading the plant that each of them names."""
+    save(client, "tank-h", text("tank-h") + f"# {'x' * 100}\n" * 200)
+    body: dict = {}
+    for _ in range(400):
+        body = {"plant": "tank-h", "spec": body}
+    before = computations(address)
+    with pytest.raises(ServiceError) as refusal:
+        client.post("/api/sessions", body)
+    assert refusal.value.status == 422 and computations(address) - before <= 2
+
+
+def test_room_for_plants_is_limited(tmp_path):
+    """One client may have a quarter of it, all together the whole; deleted plants make room for new ones."""
+    with service(tmp_path, host="0.0.0.0", key=KEY, plant_limit="64k") as address:
+        ann, eve = browser(address), browser(address)
+        assert save(ann, "long", "id: long # " + "x" * 10_000)[0] == 201
+        with pytest.raises(ServiceError, match="your plants take more") as refusal:
+            save(ann, "longer", "id: longer # " + "x" * 10_000)
+        assert refusal.value.status == 413
+        assert save(eve, "long", "id: long # " + "x" * 10_000)[0] == 201
+        ann.request("DELETE", "/api/my-plants/long")
+        assert save(ann, "longer", "id: longer # " + "x" * 10_000)[0] == 201
+        for client in (ann, eve):
+            client.close()
 
 
 def test_facts_about_a_plant_match_their_models(client):

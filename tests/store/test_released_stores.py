@@ -98,7 +98,7 @@ def test_a_store_of_schema_4_keeps_runs_records_and_plants(tmp_path):
     result = store.get_result(SECOND, THIRD_ENGINE)
     assert b"".join(csv_chunks(select(result))) == (RELEASED / "schema-3.csv").read_bytes()
     assert RecordStore(database).data(record_id(RECORD)) == RECORD
-    assert [plant.text for plant in PlantStore(database).versions("machine", "tank")][1] == "id: tank\ntitle: A tank\n"
+    assert PlantStore(database).get("machine", "tank", 1).text == "id: tank\ntitle: A tank\n"
     (line,), counts = notebook.page("machine", RunQuery())
     assert (line.record.id, line.facts, line.owners) == (SECOND, None, {"browser-1", "machine"})
     assert (counts.all, counts.pinned) == (1, 1) and notebook.without_facts() == [SECOND]

@@ -3,14 +3,18 @@
 import time
 from dataclasses import dataclass, replace
 
-from sqlalchemy import Float, and_, cast, delete, desc, func, insert, select, update
+from sqlalchemy import Float, LargeBinary, and_, cast, delete, desc, func, insert, literal, select, update
 
 from thetascope.messages import Message
 from thetascope.store.database import Database
 from thetascope.store.errors import Damaged
 from thetascope.store.tables import PLANTS, has_plant, plant_sum
 
+ROW = 1024
+"""Bytes that a version counts in addition to its text."""
 _KEPT = 30 * 24 * 3600.0  # s that a deleted plant can be restored
+_LISTED = [column for column in PLANTS.c if column.name not in ("text", "checksum")]
+_WITHOUT_TEXT = (*_LISTED, literal("").label("text"))
 
 
 @dataclass(frozen=True)
@@ -76,7 +80,7 @@ class PlantStore:
         return None if row is None else self._version(row)
 
     def latest(self) -> list[PlantVersion]:
-        """Return the latest version of each plant of each owner, the one that was saved last first."""
+        """Return the latest version of each plant of each owner without texts, the one that was saved last first."""
         newest = (
             select(PLANTS.c.owner, PLANTS.c.id, func.max(PLANTS.c.version).label("version"))
             .where(PLANTS.c.removed.is_(None))
@@ -84,13 +88,15 @@ class PlantStore:
             .subquery()
         )
         same = [PLANTS.c[name] == newest.c[name] for name in ("owner", "id", "version")]
-        query = select(PLANTS).join(newest, and_(*same)).order_by(desc(PLANTS.c.saved))
+        query = select(*_WITHOUT_TEXT).join(newest, and_(*same)).order_by(desc(PLANTS.c.saved))
         with self._database.reading() as connection:
             return [self._version(row, check=False) for row in connection.execute(query)]
 
     def versions(self, owner: str, id: str) -> list[PlantVersion]:
-        """Return all versions of a plant, the latest first."""
-        query = select(PLANTS).where((PLANTS.c.owner == owner) & (PLANTS.c.id == id) & PLANTS.c.removed.is_(None))
+        """Return all versions of a plant without texts, the latest first."""
+        query = select(*_WITHOUT_TEXT).where(
+            (PLANTS.c.owner == owner) & (PLANTS.c.id == id) & PLANTS.c.removed.is_(None)
+        )
         with self._database.reading() as connection:
             return [
                 self._version(row, check=False) for row in connection.execute(query.order_by(desc(PLANTS.c.version)))
@@ -108,11 +114,20 @@ class PlantStore:
         with self._database.writing() as connection:
             return connection.execute(update(PLANTS).where(mine).values(removed=None)).rowcount > 0
 
-    def usage(self, owner: str) -> int:
-        """Return the number of characters of all texts of an owner, those that can be restored included."""
-        size = func.coalesce(func.sum(cast(func.length(PLANTS.c.text), Float)), 0)
+    def erase_removed(self, owner: str) -> int:
+        """Erase the deleted plants of an owner, which can be restored no more; return the number of versions."""
+        gone = (PLANTS.c.owner == owner) & PLANTS.c.removed.is_not(None)
+        with self._database.writing() as connection:
+            return connection.execute(delete(PLANTS).where(gone)).rowcount
+
+    def usage(self) -> dict[str, int]:
+        """Return the bytes that the versions of each owner take, those that can be restored included."""
         with self._database.reading() as connection:
-            return int(connection.execute(select(size).where(PLANTS.c.owner == owner)).scalar_one())
+            is_sqlite = connection.dialect.name == "sqlite"
+            length = func.length(cast(PLANTS.c.text, LargeBinary)) if is_sqlite else func.octet_length(PLANTS.c.text)
+            size = func.sum(cast(length, Float)) + ROW * func.count()
+            rows = connection.execute(select(PLANTS.c.owner, size).group_by(PLANTS.c.owner))
+            return {owner: int(used) for owner, used in rows}
 
     @staticmethod
     def _version(row, check: bool = True) -> PlantVersion:

@@ -13,8 +13,10 @@ from thetascope.api.http.computed import computed
 from thetascope.api.http.problems import BodyProblem
 from thetascope.api.http.services import Services
 from thetascope.messages import Message
-from thetascope.runs.specs.refusals import validated
+from thetascope.runs.plants.my_plants import saved_data, saved_json
+from thetascope.runs.specs.refusals import InvalidSpec, validated
 from thetascope.runs.specs.sent_texts import json_of, valid_json, valid_yaml
+from thetascope_schemas.experiment.plant import Plant
 
 Value = TypeVar("Value")
 Model = TypeVar("Model", bound=BaseModel)
@@ -24,6 +26,8 @@ _LARGE = 64 * 1024
 largest that is allowed would take it from all others for a second."""
 
 
+_SMALL_TEXT = 16 * 1024
+"""Characters of a saved plant up to which it is read in a thread: YAML takes up to three microseconds for each."""
 _YAML = ("application/yaml", "application/x-yaml", "text/yaml")
 
 
@@ -71,7 +75,8 @@ async def parsed(
         body = await read_body(request, services.settings.max_body)
     if len(body) > _LARGE:
         body = await computed(request, services, valid_json, body, read)
-    return await run_in_threadpool(lambda: then(read(with_plants(request, json_of(body)))))
+    data = await with_plants(request, services, await run_in_threadpool(json_of, body))
+    return await run_in_threadpool(lambda: then(read(data)))
 
 
 async def parsed_as(request: Request, services: Services, model: type[Model]) -> Model:
@@ -79,9 +84,46 @@ async def parsed_as(request: Request, services: Services, model: type[Model]) ->
     return await parsed(request, services, partial(validated, model))
 
 
-def with_plants(request: Request, data: Any) -> Any:
-    """Return the JSON data of a body with the client's saved plants in full. Raises Unknown, InvalidSpec."""
-    return request.app.state.services.my_plants.in_full(data, principal_of(request.scope))
+async def with_plants(request: Request, services: Services, data: Any) -> Any:
+    """Return the JSON data of a body with a saved plant in full where it names one, as `plant` or `spec.plant`.
+
+    Raises Unknown, InvalidSpec. It does not validate small plants.
+    """
+    if isinstance(data, dict) and isinstance(data.get("spec"), dict):
+        data = data | {"spec": await _with_plant(request, services, data["spec"], "spec.plant")}
+    return await _with_plant(request, services, data, "plant")
+
+
+async def chosen_plant(request: Request, services: Services, choice: str | Plant) -> str | Plant:
+    """Return a plant that a client names in full if it is a saved one, else the choice unchanged.
+
+    Raises Unknown for a version that does not exist, and InvalidSpec for a draft with errors.
+    """
+    if not isinstance(choice, str):
+        return choice
+    data = (await _with_plant(request, services, {"plant": choice}, ""))["plant"]
+    return choice if data is choice else await run_in_threadpool(validated, Plant, data)
+
+
+async def _with_plant(request: Request, services: Services, holder: Any, field: str) -> Any:
+    """Return data whose `plant` is a saved one's in full where it was its name; `field` leads there, for errors.
+
+    A large text is read in a worker process.
+    """
+    name = holder.get("plant") if isinstance(holder, dict) else None
+    if not isinstance(name, str):
+        return holder
+    saved = await run_in_threadpool(services.my_plants.named, name, principal_of(request.scope))
+    if saved is None:
+        return holder
+    if len(saved.text) <= _SMALL_TEXT:
+        return holder | {"plant": await run_in_threadpool(saved_data, saved)}
+    try:
+        body = await computed(request, services, saved_json, saved)
+    except InvalidSpec as error:
+        path = f"{field}." if field else ""
+        raise InvalidSpec([one.model_copy(update={"field": path + one.field}) for one in error.errors]) from None
+    return holder | {"plant": await run_in_threadpool(json_of, body)}
 
 
 def _too_large(size: int, limit: int) -> BodyProblem:

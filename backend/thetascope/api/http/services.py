@@ -56,7 +56,7 @@ class Services:
         notebook = Notebook(NotebookStore(database), store, runs)
         notebook.begin()
         runs.resume()
-        plants = MyPlants(PlantStore(database))
+        plants = MyPlants(PlantStore(database), settings.plant_limit)
         return cls(settings, workers, runs, Hub(settings, workers), database, records, plants, notebook)
 
     def with_record(self, spec: ResolvedExperiment) -> ResolvedExperiment:

@@ -1,5 +1,6 @@
 """/api/my-plants: the plants that this client has saved, with their versions; /api/plants/check-text: check a text."""
 
+from contextlib import suppress
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
@@ -15,8 +16,9 @@ from thetascope.api.http.read_body import body_schema, parsed_as, read_bytes
 from thetascope.api.http.services import Services, Use
 from thetascope.api.operation.request_log import audit
 from thetascope.messages import Message
+from thetascope.runs.plants.my_plants import check_id
 from thetascope.runs.plants.plant_text import plant_data, yaml_text
-from thetascope.runs.plants.text_check import check_text
+from thetascope.runs.plants.text_check import TextFacts, check_text, facts_of_text, has_no_errors
 from thetascope.runs.plants.text_edit import edited_as
 from thetascope.runs.specs.refusals import Busy, OverLimit, invalid
 from thetascope.runs.specs.resolve_spec import plant_of
@@ -83,17 +85,17 @@ def get_my_plant(request: Request, id: str, services: Use, version: Version = No
     openapi_extra=BODY,
     responses={200: {"model": MyPlant, "description": "It is the latest version already."}, **documented(413, 422)},
 )
-async def save_my_plant(request: Request, id: str, services: Use, language: Language) -> Response:
+async def save_my_plant(request: Request, id: str, services: Use) -> Response:
     """Save a text as the next version of a plant. The body is the text, YAML or JSON, also with errors: a draft."""
+    check_id(id)
     text, by = await _text(request, services), principal_of(request.scope)
-    try:
-        ready = (await computed(request, services, check_text, text, language)).valid
-    except (Busy, OverLimit, LimitReached, Crashed):
-        ready = False  # it is saved in any case
-    before = await run_in_threadpool(lambda: {p.id: p.version for p in services.my_plants.latest(by)}.get(id))
-    saved = await run_in_threadpool(lambda: services.my_plants.save(id, text, ready, by))
+    facts, ready = TextFacts(), False
+    with suppress(Busy, OverLimit, LimitReached, Crashed):  # it is saved in any case
+        facts = await computed(request, services, facts_of_text, text)
+        ready = facts.is_plant and await computed(request, services, has_no_errors, text)
+    saved, is_new = await run_in_threadpool(lambda: services.my_plants.save(id, text, facts, ready, by))
     audit(request, "plant.saved", plant=id, version=saved.version)
-    return json_response(_whole(saved, by), 200 if saved.version == before else 201, {"Location": _address(saved)})
+    return json_response(_whole(saved, by), 201 if is_new else 200, {"Location": _address(saved)})
 
 
 @router.delete("/my-plants/{id}", status_code=204, responses=documented(403, 404))

@@ -4,12 +4,11 @@ from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from thetascope import library
-from thetascope.access.principal import principal_of
 from thetascope.api.http.answers import json_response
 from thetascope.api.http.computed import computed
 from thetascope.api.http.language import Language, Prose
 from thetascope.api.http.problems import documented
-from thetascope.api.http.read_body import body_schema, parsed_as, read_bytes
+from thetascope.api.http.read_body import body_schema, chosen_plant, parsed_as, read_bytes
 from thetascope.api.http.services import Use
 from thetascope.runs.specs.resolve_spec import library_experiment, plant_of
 from thetascope.runs.specs.sent_texts import plant_of_text
@@ -60,12 +59,12 @@ def list_plants(language: Language) -> Response:
 
 
 @router.get("/plants/{id}", response_model=Plant, responses=documented(404, 422), tags=["plants"])
-def get_plant(request: Request, id: str, services: Use, language: Prose) -> Response:
+async def get_plant(request: Request, id: str, services: Use, language: Prose) -> Response:
     """Return a plant in full, of the library or a saved one: copy it, change it, and POST it to /api/plants/check.
 
     Its prose is in one language; `?lang=*` gives it in all languages, as maps.
     """
-    plant = plant_of(services.my_plants.plant(id, principal_of(request.scope)))
+    plant = plant_of(await chosen_plant(request, services, id))
     return Response(plant.model_dump_json(context={"language": language}), media_type="application/json")
 
 

@@ -12,7 +12,7 @@ from thetascope.api.http.answers import json_response
 from thetascope.api.http.computed import check_cpu, computed
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
-from thetascope.api.http.read_body import body_schema, parsed_as, read_body, read_bytes
+from thetascope.api.http.read_body import body_schema, chosen_plant, parsed_as, read_body, read_bytes
 from thetascope.api.http.services import Services, Use
 from thetascope.api.operation.request_log import audit
 from thetascope.engine.errors import SpecError
@@ -64,7 +64,7 @@ async def create_record(
     else:
         data, choice = await read_bytes(request, services.settings.max_record), plant
         if plant is not None:
-            choice = await run_in_threadpool(lambda: services.my_plants.plant(plant, by))
+            choice = await chosen_plant(request, services, plant)
     chosen = None if choice is None else plant_of(choice)
     inspection = await _inspection(request, services, RecordFile("", name, data, chosen, mapping))
     stored = await run_in_threadpool(lambda: services.records.put(name, data, choice, mapping, by))
@@ -78,8 +78,7 @@ async def record_in(request: Request, services: Services) -> tuple[str, bytes, R
     """
     body = await read_body(request, services.settings.max_record)
     name, data, record = await computed(request, services, record_of, body)
-    by = principal_of(request.scope)
-    plant = await run_in_threadpool(lambda: services.my_plants.plant(record.plant, by))
+    plant = await chosen_plant(request, services, record.plant)
     return name, data, record.model_copy(update={"plant": plant})
 
 

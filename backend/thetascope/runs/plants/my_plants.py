@@ -8,22 +8,25 @@ refused.
 
 import re
 import time
-from collections.abc import Mapping
+from collections import Counter
+from threading import Lock
 from typing import Any
 
 from thetascope import library
 from thetascope.access.principal import Principal
 from thetascope.messages import Message
-from thetascope.runs.plants.text_check import format_of, readable, title_in
+from thetascope.runs.plants.text_check import TextFacts, format_of
 from thetascope.runs.specs.refusals import NotOwner, Refusal, Unknown, invalid, validated
 from thetascope.runs.specs.spec_files import DocumentError, parse
 from thetascope.store import PlantStore, PlantVersion
+from thetascope.store.plant_store import ROW
 from thetascope_schemas.experiment.plant import Plant
+from thetascope_schemas.texts.local_text import ALL
 from thetascope_schemas.texts.refusal import suggestion
 
 ID = re.compile(r"[a-z0-9][a-z0-9-]{0,63}")
 _REFERENCE = re.compile(r"(?P<id>[a-z0-9][a-z0-9-]{0,63})(?:@(?P<version>[0-9]{1,9}))?")
-_ROOM = 64 * 1024**2  # characters of all versions of an owner
+_OF_ONE = 4  # the part of the room that one client may fill, unless it is the machine's owner
 
 
 class NoRoomForPlants(Refusal):
@@ -31,34 +34,57 @@ class NoRoomForPlants(Refusal):
 
 
 class MyPlants:
-    """Stores, finds and deletes the plants of clients."""
+    """Stores, finds and deletes the plants of clients. `limit`: bytes of all versions of all plants together."""
 
-    def __init__(self, store: PlantStore) -> None:
-        self._store = store
+    def __init__(self, store: PlantStore, limit: int) -> None:
+        self._store, self._limit = store, limit
+        self._saving = Lock()
+        self._used: Counter[str] | None = None  # bytes of each owner: counting them reads all texts
 
-    def save(self, id: str, text: str, ready: bool, by: Principal) -> PlantVersion:
-        """Store a text as the next version of a plant; `ready`: it has no errors.
+    def save(self, id: str, text: str, facts: TextFacts, ready: bool, by: Principal) -> tuple[PlantVersion, bool]:
+        """Store a text as the next version of a plant; return the latest version, and whether it is a new one.
+
+        Args:
+            id: the plant's id.
+            text, facts: the text and its facts.
+            ready: whether it has no errors.
+            by: the client that saves it.
 
         Raises InvalidSpec for an id of the library or another one than the text has, NoRoomForPlants, StoreError.
         """
-        if not ID.fullmatch(id):
-            raise invalid("id", id, Message("workshop.id"))
-        if id in library.plants():
-            raise invalid("id", id, Message("workshop.of-library", id=id))
-        document, plant = readable(text)
-        written = document.data.get("id") if document is not None and isinstance(document.data, Mapping) else None
-        if isinstance(written, str) and ID.fullmatch(written) and written != id:
-            raise invalid("id", written, Message("workshop.other-id", id=id, written=written))
-        if self._store.usage(by.owner) + len(text) > _ROOM:
-            raise NoRoomForPlants(Message("workshop.no-room", limit=_ROOM // 1024**2))
-        title = "" if document is None else title_in(document, "en")
-        faults = 0 if plant is None else len(plant.channels)
-        is_ready = ready and plant is not None
-        before = self._store.get(None, id)
-        number = 0 if before is None else before.version if before.owner != by.owner else 0
-        return self._store.put(
-            PlantVersion(by.owner, id, number, title, format_of(text), faults, is_ready, text, time.time())
-        )
+        check_id(id)
+        if ID.fullmatch(facts.id) and facts.id != id:
+            raise invalid("id", facts.id, Message("workshop.other-id", id=id, written=facts.id))
+        moment, is_ready, size = time.time(), ready and facts.is_plant, len(text.encode()) + ROW
+        with self._saving:
+            before = self._store.get(None, id)
+            number = 0 if before is None else before.version if before.owner != by.owner else 0
+            used = self._make_room(size, by)
+            stored = self._store.put(
+                PlantVersion(by.owner, id, number, facts.title, format_of(text), facts.faults, is_ready, text, moment)
+            )
+            is_new = stored.saved == moment
+            used[by.owner] += size * is_new
+        return stored, is_new
+
+    def _make_room(self, size: int, by: Principal) -> Counter[str]:
+        """Return the bytes of each owner. Where there is no room, the client's deleted plants are erased for good.
+
+        Raises NoRoomForPlants.
+        """
+        most = self._limit if by.is_machine else self._limit // _OF_ONE
+        if self._used is not None and self._has_room(self._used, size, most, by):
+            return self._used
+        self._used = Counter(self._store.usage())
+        if not self._has_room(self._used, size, most, by) and self._store.erase_removed(by.owner):
+            self._used = Counter(self._store.usage())
+        if not self._has_room(self._used, size, most, by):
+            raise NoRoomForPlants(Message("workshop.no-room", limit=most // 1024**2))
+        return self._used
+
+    def _has_room(self, used: Counter[str], size: int, most: int, by: Principal) -> bool:
+        own = used.total() if by.is_machine else used[by.owner]
+        return own + size <= most and used.total() + size <= self._limit
 
     def get(self, id: str, version: int | None, by: Principal) -> PlantVersion:
         """Return a version of a plant, by default the latest: the client's own, else anybody's. Raises Unknown."""
@@ -104,47 +130,42 @@ class MyPlants:
                 break
         return self.get(id, None, by)
 
-    def plant(self, choice: str | Plant, by: Principal) -> str | Plant:
-        """Return a plant that a client names in full if it is one of the client's, else the choice unchanged.
+    def named(self, name: str, by: Principal) -> PlantVersion | None:
+        """Return the version that a name in a request means; None for the library's, and for names that nobody knows.
 
-        Raises Unknown for a version that does not exist, and InvalidSpec for a draft with errors.
+        Raises Unknown for a version that does not exist.
         """
-        if not isinstance(choice, str):
-            return choice
-        data = self._data(choice, by)
-        return choice if data is None else validated(Plant, data)
-
-    def in_full(self, body: Any, by: Principal) -> Any:
-        """Return the JSON of a request in which a `plant`, its own or that of its `spec`, is written out.
-
-        Raises as `plant`, but does not validate.
-        """
-        if not isinstance(body, dict):
-            return body
-        changes: dict[str, Any] = {}
-        if isinstance(body.get("plant"), str):
-            data = self._data(body["plant"], by)
-            changes |= {} if data is None else {"plant": data}
-        if isinstance(body.get("spec"), dict):
-            changes |= {"spec": self.in_full(body["spec"], by)}
-        return body | changes if changes else body
-
-    def _data(self, name: str, by: Principal) -> Any:
-        """Return the data of a client's plant; None for a name of the library, and for one that nobody knows."""
         parts = _REFERENCE.fullmatch(name)
         if parts is None or parts["id"] in library.plants():
             return None
         version = None if parts["version"] is None else int(parts["version"])
         try:
-            found = self.get(parts["id"], version, by)
+            return self.get(parts["id"], version, by)
         except Unknown:
             if version is None:
                 return None  # the library names the nearest ids
             raise
-        try:
-            return parse(found.text).data
-        except DocumentError:
-            raise invalid("plant", name, Message("workshop.draft", id=found.id)) from None
+
+
+def check_id(id: str) -> None:
+    """Raise InvalidSpec for an id under which no plant can be saved."""
+    if not ID.fullmatch(id):
+        raise invalid("id", id, Message("workshop.id"))
+    if id in library.plants():
+        raise invalid("id", id, Message("workshop.of-library", id=id))
+
+
+def saved_data(plant: PlantVersion) -> Any:
+    """Return the data of a saved plant. Raises InvalidSpec for a text that cannot be read."""
+    try:
+        return parse(plant.text).data
+    except DocumentError:
+        raise invalid("plant", plant.id, Message("workshop.draft", id=plant.id)) from None
+
+
+def saved_json(plant: PlantVersion) -> bytes:
+    """Return a saved plant as JSON. Raises InvalidSpec for a draft with errors."""
+    return validated(Plant, saved_data(plant)).model_dump_json(exclude_unset=True, context={"language": ALL}).encode()
 
 
 def _owners(by: Principal) -> tuple[str, ...]:

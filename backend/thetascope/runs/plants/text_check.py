@@ -1,7 +1,8 @@
 """Check the text of a plant: all errors at once, each with its place and, where there is one, the change that helps."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from thetascope.engine.errors import SpecError
@@ -43,16 +44,44 @@ def check_text(text: str, language: str) -> PlantTextCheck:
     return _answer(document, [_unit(document, one, language) for one in mismatches(plant)], language, plant)
 
 
-def readable(text: str) -> tuple[Document | None, Plant | None]:
-    """Return the document of a text and its plant, each None where it cannot be read; expressions are not."""
+@dataclass(frozen=True)
+class TextFacts:
+    """Facts of a plant's text; the defaults are those of a text that cannot be read.
+
+    Args:
+        id, title: as they are written; "" if they are not.
+        faults: number of its fault channels.
+        is_plant: whether it has all fields of a plant; its expressions may have errors.
+    """
+
+    id: str = ""
+    title: str = ""
+    faults: int = 0
+    is_plant: bool = False
+
+
+def facts_of_text(text: str) -> TextFacts:
+    """Return the facts of a text. Expressions are not read. A large text takes seconds: call it in a worker."""
     try:
         document = parse(text)
     except DocumentError:
-        return None, None
+        return TextFacts()
+    written = document.data.get("id") if isinstance(document.data, Mapping) else None
+    id, title = written[:65] if isinstance(written, str) else "", title_in(document, "en")
     try:
-        return document, validated(Plant, document.data)
+        plant = validated(Plant, document.data)
     except InvalidSpec:
-        return document, None
+        return TextFacts(id, title)
+    return TextFacts(id, title, len(plant.channels), True)
+
+
+def has_no_errors(text: str) -> bool:
+    """Return whether a text is a complete plant whose expressions have no errors."""
+    try:
+        plant = validated(Plant, parse(text).data)
+    except (DocumentError, InvalidSpec):
+        return False
+    return next(_engine_errors(plant, plant.model_dump(mode="json")), None) is None
 
 
 def format_of(text: str) -> TextFormat:
