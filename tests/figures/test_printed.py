@@ -190,6 +190,13 @@ def test_latex_escapes_its_special_characters():
     )
 
 
+@pytest.mark.parametrize("write", [latex, mathtext, plain])
+@pytest.mark.parametrize("char", ["\r", "\n", "\f", "\v", "\0", "\x1b", "\x7f", "\x85", "\u2028", "&#13;", "&#12;"])
+def test_characters_that_command_tex_or_a_terminal_become_blanks(write, char):
+    """A carriage return ends a line of TeX and hides the rest of it; a form feed is a paragraph within a label."""
+    assert write(f"<i>x</i> (a{char}b)").split("(")[1] == "a b)"
+
+
 def test_a_character_that_no_font_has_is_refused(page):
     """The refusal names the characters; nothing is printed as an empty box."""
     made = page(panels=[1])

@@ -2,6 +2,7 @@
 
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
+import {deflateRawSync} from 'node:zlib';
 import {changed, pack, read, specOf, unpack, write} from '../../frontend/live/state/permalink.js';
 import * as address from '../../frontend/pages/runs/address.js';
 
@@ -52,6 +53,12 @@ test('a damaged fragment, or one that holds no experiment, is refused', async ()
   const nonsense = await pack([1, 2]);
   for (const text of ['AAAA', `${nonsense.slice(0, -4)}zzzz`, nonsense, await pack({t: 3}), await pack({changed: {}})])
     await assert.rejects(from(`/#s=${text}`), Error, text);
+});
+
+test('a fragment that unpacks to gigabytes is refused before it does', async () => {
+  const bomb = deflateRawSync(Buffer.alloc(64 * 1024 * 1024, 32)).toString('base64url');
+  assert.ok(bomb.length < 100_000);
+  await assert.rejects(unpack(bomb), /too much/u);
 });
 
 test('a negative or unreadable time is no time', async () => {

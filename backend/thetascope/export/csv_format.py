@@ -12,7 +12,7 @@ from thetascope.export.selection import Table
 _BLOCK = 8192
 """Values in a piece. Python's lock is held while one is made, for a millisecond, so others are answered between two."""
 _FORMULA = ("=", "+", "-", "@", "＝", "＋", "－", "＠")  # spreadsheets also accept the full-width forms
-_CONTROL = {code: " " for code in (*range(32), 127)}
+_CONTROL = {code: " " for code in (*range(32), *range(127, 160), 0x2028, 0x2029)}
 
 
 def csv_chunks(table: Table) -> Iterator[bytes]:

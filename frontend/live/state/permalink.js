@@ -112,9 +112,27 @@ export async function specOf(content, load) {
   return {...(await load(content.experiment)), ...content.changed};
 }
 
-/** @param {Uint8Array<ArrayBuffer>} bytes @param {CompressionStream | DecompressionStream} through */
+/** Bytes of the largest session that a link is unpacked to; a service takes none of more than 2 MB. */
+const LARGEST = 4 * 1024 * 1024;
+
+/**
+ * The bytes that leave a stream. A few kilobytes of a hostile link would unpack to gigabytes.
+ * @throws {Error} for more than LARGEST bytes
+ * @param {Uint8Array<ArrayBuffer>} bytes
+ * @param {CompressionStream | DecompressionStream} through
+ */
 async function pipe(bytes, through) {
-  return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(through)).arrayBuffer());
+  const reader = new Blob([bytes]).stream().pipeThrough(through).getReader();
+  const parts = [];
+  for (let size = 0, part = await reader.read(); !part.done; part = await reader.read()) {
+    size += part.value.length;
+    if (size > LARGEST) {
+      await reader.cancel();
+      throw new Error('the link holds too much');
+    }
+    parts.push(part.value);
+  }
+  return new Uint8Array(await new Blob(parts).arrayBuffer());
 }
 
 /** @param {unknown} value */

@@ -30,6 +30,7 @@ _FORMULA = re.compile(
     rf"(?P<formula>[ -~−{''.join(_COMMANDS)}\u0302\u0303\u0307]+)|[^ -~−{''.join(_COMMANDS)}\u0302\u0303\u0307]+"
 )
 _WIDE = re.compile("[\u2e80-\uffff]")
+_INVISIBLE = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
 _POWER = re.compile(r"(?<=[A-Za-zµμΩ])\^?(-?\d)(?![\w.])")
 
 
@@ -42,9 +43,10 @@ class _Part:
 
 
 def _parts(source: str) -> list[_Part]:
+    """Return the stretches of HTML. Control characters and separators of lines become blanks: TeX obeys some."""
     parts, kinds, at = [], ["text"], 0
     for tag in _TAG.finditer(source):
-        parts.append(_Part(kinds[-1], html.unescape(source[at : tag.start()])))
+        parts.append(_Part(kinds[-1], _unescaped(source[at : tag.start()])))
         at = tag.end()
         if tag[2] == "br":
             parts.append(_Part("text", "\n"))
@@ -52,8 +54,12 @@ def _parts(source: str) -> list[_Part]:
             kinds.append(tag[2])
         elif len(kinds) > 1:
             kinds.pop()
-    parts.append(_Part(kinds[-1], html.unescape(source[at:])))
+    parts.append(_Part(kinds[-1], _unescaped(source[at:])))
     return [part for part in parts if part.text]
+
+
+def _unescaped(text: str) -> str:
+    return _INVISIBLE.sub(" ", html.unescape(text))
 
 
 def mathtext(source: str) -> str:

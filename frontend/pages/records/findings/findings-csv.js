@@ -34,8 +34,14 @@ export function findingsCsv(faults) {
   return [HEAD, ...lines].map((line) => `${line.map(cell).join(',')}\n`).join('');
 }
 
-/** @param {string | number | boolean | null} value */
+/**
+ * A value as a cell. Text that a spreadsheet would take for a formula follows an apostrophe, and control characters are
+ * blanks, as in files of the service (backend/thetascope/export/csv_format.py).
+ * @param {string | number | boolean | null} value
+ */
 function cell(value) {
-  const text = value === null ? '' : String(value);
-  return /[",\n]/u.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+  if (typeof value !== 'string') return value === null ? '' : String(value);
+  const line = value.replaceAll(/[\u0000-\u001f\u007f-\u009f\u2028\u2029]/gu, ' ');
+  const text = /^\s*[=+\-@＝＋－＠]/u.test(line) ? `'${line}` : line;
+  return /[",']/u.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }
