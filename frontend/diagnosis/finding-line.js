@@ -99,7 +99,7 @@ export function line(one, app) {
     misattributed: () => h('span', {class: 'alarm'}, t('page.diagnosis.other-fault')),
     false: () => h('span', {class: 'alarm'}, t('page.diagnosis.no-fault')),
     over: () => t('page.diagnosis.ended'),
-    undetected: () => t('page.diagnosis.not-found'),
+    undetected: () => (one.unjudged ? t('page.diagnosis.not-judged') : t('page.diagnosis.not-found')),
     past: () => t('page.diagnosis.cleared'),
   }[verdict]();
   return h(

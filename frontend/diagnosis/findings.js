@@ -19,6 +19,7 @@ import {alarmFrom} from './alarms.js';
  * @property {Alarm | null} alarm
  * @property {FaultState | null} fault    the one without an alarm
  * @property {number | null} delay   from the fault to the alarm, where this alarm found it
+ * @property {boolean} [unjudged]   of a fault without an alarm: the detector has not judged that far yet
  * @property {number | null} again   when the fault that acts began, where the alarm of one before it was on already
  */
 
@@ -58,7 +59,12 @@ export function findings({facts, faults, alarms}) {
     const verdict = verdicts.get(alarm.id);
     return verdict ? [ofAlarm(alarm, verdict)] : [];
   });
-  const undetected = facts.undetected.flatMap((id) => faults.filter((fault) => fault.id === id)).map(ofFault);
+  const undetected = facts.undetected
+    .flatMap((id) => faults.filter((fault) => fault.id === id))
+    .map((fault) => ({
+      ...ofFault(fault),
+      unjudged: typeof facts.judged === 'number' && fault.onset >= facts.judged,
+    }));
   const past = judged.filter((one) => one.verdict === 'past');
   return [...judged.filter((one) => one.verdict !== 'past'), ...undetected, ...past.slice(-MOST_PAST).reverse()];
 }

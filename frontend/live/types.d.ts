@@ -123,6 +123,8 @@ export interface State {
   broken: number | null;
   /** The facts of the server at the row that is shown: observers, faults, noise, alarms and the verdicts on them. */
   facts: service.Facts | null;
+  /** The facts as they were at the time that is looked back to; null: the present is shown. */
+  past: service.Facts | null;
   /** Colour numbers by observer label, of removed observers too. */
   places: {[label: string]: number};
   /** The session that this one was forked from. */
@@ -385,6 +387,8 @@ export interface View {
   row: number;
   faults: FaultState[];
   alarms: Alarm[];
+  /** Time in s up to which the detector has judged, while it is behind. */
+  judged: number | null;
   /** Observers whose bands are drawn. */
   bands: Set<string>;
 }

@@ -867,6 +867,8 @@ export interface Facts {
   fault_outcomes: (FaultOutcome)[];
   /** Ids of the active faults that no present alarm names, one for each site. */
   undetected: (string)[];
+  /** Time in s up to which the detector has judged the rows, while it is a decision or more behind; null: it has judged all of them, or there is none. */
+  judged: number | null;
   /** The diagnosis in one sentence. */
   summary: Text;
 }

@@ -58,6 +58,8 @@ CASES = {
     "hidden-beside": lambda: message_at([A, B], alarm(26, "b"), hidden=frozenset("a")),
     "looking": lambda: message_at([A]),
     "looking-beside": lambda: message_at([A, B], alarm(21, "a")),
+    "not-judged": lambda: message_at([A], judged=15.0),
+    "not-judged-beside": lambda: message_at([A, B], alarm(21, "a"), judged=24.0),
     "one-found": lambda: message_at([A], alarm(21, "a")),
     "one": lambda: message_at([A], alarm(21, "a", cleared=23), alarm(30, "a")),
     "one-again": lambda: message_at([fault("a", 20, 40), fault("a", 45)], alarm(21, "a")),

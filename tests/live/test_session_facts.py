@@ -1,5 +1,7 @@
 """The facts of a session: the state at the row that is shown, and verdicts equal to those of the run of its spec."""
 
+from dataclasses import replace
+
 import pytest
 
 from tests.live import stage as stage_of_tests
@@ -9,6 +11,7 @@ from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.diagnosis.yield_points import run_to_end
 from thetascope.engine.inputs.fault_signals import theta
+from thetascope.live.facts.past_facts import past_facts
 from thetascope.live.facts.session_facts import FactsMemory, facts_of
 from thetascope.live.session.session import Session
 from thetascope.runs.results.summary import summarise
@@ -191,7 +194,76 @@ def test_facts_keep_alarms_while_the_detector_catches_up():
     assert session.pending_detection() is not None
     waiting = facts_of(session, session.row, memory)
     assert [alarm.id for alarm in waiting.alarms] == [alarm.id for alarm in found.alarms]
-    assert waiting.summary.code == "diagnosis.summary.measurement"
+    assert waiting.summary.code == "diagnosis.summary.not-judged-beside" and waiting.judged is not None
     assert facts_of(session, session.row, FactsMemory(session.record)).alarms == ()  # without the memory it is lost
     catch_up()
     assert facts_of(session, session.row, memory).alarms[0].id == found.alarms[0].id
+
+
+def test_the_facts_tell_up_to_where_rows_are_judged_while_the_detector_is_behind():
+    """Rows wait: the facts name the time and say so of a fault after it; batch by batch it grows, then it is gone."""
+    session = Session(zhao(noise=NOISE))
+    session.leave_detection()
+    session.advance(1500)
+    do(session, "inject", fault=FAULT)
+    judged = []
+    for _ in range(4):
+        session.advance(100)
+    while (progress := session.pending_detection()) is not None:
+        facts = facts_now(session)
+        judged.append(facts.judged)
+        assert facts.summary.code == "diagnosis.summary.not-judged" or facts.judged > 15
+        first = progress.beginning(150)
+        session.add_detection(first, run_to_end(session.detector.catch_up(first)))
+    assert judged == pytest.approx([0, 15, 16, 17, 18], abs=0.051)
+    caught_up = facts_now(session)
+    assert caught_up.judged is None and caught_up.summary.code == "diagnosis.summary.one-found"
+
+
+def test_the_past_is_shown_as_it_was():
+    """At rows of the past, and by the log alone: the alarms, verdicts and sentence that were sent at that time."""
+    session, known = Session(zhao(noise=NOISE)), {}
+    memory = FactsMemory(session.record)
+
+    def advance(rows: int) -> None:
+        known[session.row] = facts_of(session, session.row, memory)  # a command acts from this row on
+        for _ in range(rows // 50):
+            session.advance(50)
+            known[session.row] = facts_of(session, session.row, memory)
+
+    advance(1500)
+    do(session, "inject", fault=FAULT)
+    advance(600)
+    do(session, "inject", fault=FAULT | {"channel": "theta1", "size": 0.05})
+    advance(600)
+    do(session, "clear", channel="theta3")
+    advance(600)
+    codes = set()
+    for row, then in known.items():
+        past = past_facts(session, row)
+        assert [(a.id, a.channel, a.t, a.cleared) for a in past.alarms] == [
+            (a.id, a.channel, a.t, a.cleared) for a in then.alarms
+        ]
+        assert past.alarm_verdicts == then.alarm_verdicts and past.undetected == then.undetected
+        assert past.summary.code == then.summary.code and past.noise == then.noise
+        codes.add(past.summary.code)
+    assert len(codes) >= 4, "the session has several situations"
+
+
+def test_rows_wait_for_a_diagnosis_that_cannot_follow():
+    """Nothing is tested: time stops two seconds after the last tested row, and runs on when rows have been tested."""
+
+    async def scenario(stage: Stage) -> None:
+        page = await stage.connect()
+        test, waiting = stage._watch, []
+        stage.room.services = replace(stage.room.services, request_detection=waiting.append)
+        await stage.say(page, "play")
+        await stage.go(20.0)
+        stopped = stage.room.shown
+        assert stopped < 1300 and page.of("facts")[-1]["facts"]["judged"] < 1
+        stage.room.services = replace(stage.room.services, request_detection=test)
+        test(stage.room)
+        await stage.go(2.0)
+        assert stage.room.shown >= stopped + 190 and page.of("facts")[-1]["facts"]["judged"] is None
+
+    staged(scenario, horizon=100.0)

@@ -57,6 +57,7 @@ const facts = (more) => ({
   noise: {},
   truth: {deviation: 0, parameters: {}, process_noise: {}, outputs: {}, states: [], dynamics: {}, record: null},
   broken: null,
+  judged: null,
   alarms: [],
   alarm_verdicts: [],
   fault_outcomes: [],

@@ -17,6 +17,7 @@ const facts = {
   noise: {},
   truth: {deviation: 0, parameters: {}, process_noise: {}, outputs: {}, states: [], dynamics: {}, record: null},
   broken: null,
+  judged: null,
   alarms: [],
   alarm_verdicts: [],
   fault_outcomes: [],

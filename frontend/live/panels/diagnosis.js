@@ -4,9 +4,9 @@
 import {childrenOf, fill, h} from '../../common/dom.js';
 import {called, capital, spoken} from '../../common/names.js';
 import {line, summarySentence} from '../../diagnosis/finding-line.js';
-import {findings} from '../../diagnosis/findings.js';
+import {findings, stateOf} from '../../diagnosis/findings.js';
 import {wholeLines} from '../../widgets/whole-lines.js';
-import {asOfNow, heading, link, seconds} from '../../widgets/controls.js';
+import {heading, link, seconds} from '../../widgets/controls.js';
 import {createSeen} from '../../diagnosis/detectability.js';
 import {unresolved} from '../../diagnosis/fault-size.js';
 import {createSure} from '../../diagnosis/confidence.js';
@@ -26,7 +26,8 @@ export function mount(element, app) {
   const list = h('div', {class: 'scroll', role: 'region', tabindex: 0});
   const folds = {detectability: createSeen(app), certainty: createSure(app)};
   const more = wholeLines(list, () => childrenOf(list), app);
-  const tag = asOfNow(app);
+  const tag = h('span', {class: 'as-of-now', hidden: true});
+  const behind = createBehind(app);
   /** @type {{[name: string]: HTMLButtonElement}} */
   let links = {};
   const build = () => {
@@ -41,6 +42,7 @@ export function mount(element, app) {
       Object.values(folds).map((fold) => fold.element),
       list,
       more,
+      behind.element,
     );
     open(null);
     update();
@@ -76,17 +78,20 @@ export function mount(element, app) {
   });
   addEventListener('resize', place);
   const update = () => {
-    const {state} = app;
+    const state = momentary(app.state);
     const {facts} = state;
     if (!state.plant || !facts) return;
     const all = findings({...state, facts});
-    const words = summarySentence(facts.summary, app);
+    const words = summarySentence(facts.summary, {state});
+    tag.hidden = state.past === null;
+    tag.textContent = state.past && t('page.diagnosis.then', {t: seconds(facts.t, state.spec?.horizon)});
+    behind.update();
     if (verdict.textContent !== words) verdict.textContent = words;
-    const weak = state.broken === null ? weakness(state) : '';
+    const weak = state.broken === null && !state.past ? weakness(state) : '';
     const lost = state.broken === null ? state.observers.filter((one) => one.diverged) : [];
     fill(
       list,
-      all.map((one) => line(one, app)),
+      all.map((one) => line(one, {state})),
       all.length > 0 &&
         lost.map((one) =>
           h(
@@ -134,9 +139,49 @@ export function mount(element, app) {
       state.observers,
       state.broken,
       state.facts,
+      state.past,
     ],
     update,
   );
+  app.onTick(behind.update);
+}
+
+/**
+ * The state with the facts of the time that is looked back to.
+ * @param {State} state
+ * @returns {State}
+ */
+function momentary(state) {
+  if (state.past === null) return state;
+  const {facts, faults, alarms, broken} = stateOf(state.past);
+  const running = new Map(facts.observers.map((one) => [one.label, one]));
+  const observers = state.observers.map((one) => ({...one, ...running.get(one.label)}));
+  return {...state, facts, faults, alarms, broken, observers, t: facts.t};
+}
+
+/**
+ * Up to where the detector has judged, while it is a decision or more behind.
+ * @param {App} app
+ */
+function createBehind(app) {
+  const words = h('span');
+  const element = h('p', {class: 'behind', hidden: true}, h('span', {class: 'hatched', 'aria-hidden': 'true'}), words);
+  const update = () => {
+    const {state, samples} = app;
+    const judged = state.past ? null : (state.facts?.judged ?? null);
+    const late = judged === null ? 0 : samples.now - judged;
+    element.hidden = judged === null || late < state.record;
+    if (element.hidden) return;
+    const horizon = state.spec?.horizon;
+    const args = {t: seconds(judged ?? 0, horizon), behind: seconds(late, horizon)};
+    const {speed, playing} = state;
+    const sentence =
+      playing && speed !== null && speed !== 1
+        ? t('page.diagnosis.behind-at', {...args, speed: `${speed}×`})
+        : t('page.diagnosis.behind', args);
+    if (words.textContent !== sentence) words.textContent = sentence;
+  };
+  return {element, update};
 }
 
 /**

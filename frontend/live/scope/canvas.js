@@ -2,6 +2,7 @@
 // 30 to 60 times a second.
 
 import {marks} from './axes.js';
+import {hatch} from './hatch.js';
 import {bandPath, PIECE, strokeTrace, WHOLE} from './traces.js';
 
 /** @import {DrawnStrip, Palette, Place, Range, Samples, Scale, View} from '../types.js' */
@@ -59,6 +60,17 @@ export function drawStrip(ctx, strip, place, view, range, colours) {
   if (view.ghost) drawTraces(ctx, strip, place, {...view, samples: view.ghost}, range, colours, true);
   drawTraces(ctx, strip, place, view, range, colours, false);
   drawMarks(ctx, strip, place, view, scale, colours);
+  if (view.judged !== null && (strip.kind === 'theta' || strip.kind === 'residual'))
+    hatch(
+      ctx,
+      {
+        left: Math.max(left, scale.x(view.judged)),
+        right: Math.min(left + width, scale.x(view.now)),
+        top: 0,
+        bottom: height,
+      },
+      colours.soft,
+    );
   ctx.restore();
   ctx.strokeStyle = colours.line;
   ctx.lineWidth = 1;
@@ -354,27 +366,4 @@ function cross(ctx, x, colours, place) {
   ctx.moveTo(x - arm, y + arm);
   ctx.lineTo(x + arm, y - arm);
   ctx.stroke();
-}
-
-/**
- * The time axis under the strips.
- * @param {CanvasRenderingContext2D} ctx
- * @param {Place} options
- * @param {View} view
- * @param {Palette} colours
- */
-export function drawTimeAxis(ctx, {left, width, full, height}, view, colours) {
-  ctx.clearRect(0, 0, full, height);
-  ctx.fillStyle = colours.soft;
-  ctx.font = colours.number;
-  ctx.textBaseline = 'middle';
-  ctx.textAlign = 'center';
-  const places = Math.max(0, Math.ceil(-Math.log10(view.step) - 1e-9));
-  const times = marks(view.t0, view.t1, view.step);
-  for (const t of times) {
-    const x = left + ((t - view.t0) / (view.t1 - view.t0)) * width;
-    if (x < left - 1 || x > left + width - 8) continue;
-    const words = t === 0 ? '0' : t.toFixed(places);
-    ctx.fillText(t === times[times[0] === 0 ? 1 : 0] ? `${words} s` : words, x, height / 2);
-  }
 }

@@ -31,6 +31,7 @@ export function mountHead(root, app, scope) {
       state.band,
       state.presentation,
       state.session,
+      typeof state.facts?.judged === 'number',
     ],
     () => {
       const focused = document.activeElement?.closest('.legend li')?.getAttribute('data-label');
@@ -136,6 +137,7 @@ function legendOf(app, scope) {
     banded.length > 0 && bandOf(banded, app, key),
     item(key('tinted'), t('page.scope.fault-active')),
     item(key('triangle'), t('page.scope.alarm')),
+    typeof state.facts?.judged === 'number' && item(key('hatched'), t('page.scope.not-judged')),
     parent &&
       item(
         key('ghost'),
@@ -227,7 +229,7 @@ function bandOf(banded, app, key) {
   );
 }
 
-const SPOKEN = ['band', 'triangle', 'tinted', 'dash']; // which marks lose their words first
+const SPOKEN = ['band', 'triangle', 'tinted', 'dash', 'hatched']; // which marks lose their words first
 const GROUPS = [
   ['theta', 'channels'],
   ['loop', 'loop'],

@@ -2,13 +2,14 @@
 
 import {context, fill, h} from '../../common/dom.js';
 import {niceStep} from './axes.js';
-import {drawStrip, drawTimeAxis, palette} from './canvas.js';
+import {drawStrip, palette} from './canvas.js';
 import {mountHead} from './head.js';
 import {mountPointer} from './pointer.js';
 import {createRow, fit, label, labelAll} from './row.js';
 import {showValues} from './values.js';
 import {unresolved} from '../../diagnosis/fault-size.js';
 import {leaving, setTicks, wanted} from './axis-view.js';
+import {drawTimeAxis} from './time-axis.js';
 import {stripsOf} from '../state/strips.js';
 import {say, t} from '../../i18n/words.js';
 
@@ -50,7 +51,7 @@ export function mountScope(root, app) {
     () => scope.restyle(),
   );
   app.subscribe(
-    (state) => [state.connection, state.alarms, state.log.length, state.band],
+    (state) => [state.connection, state.alarms, state.log.length, state.band, state.facts?.judged],
     () => {
       scope.still = '';
       app.wake();
@@ -221,6 +222,7 @@ export class Scope {
       row: samples.record,
       faults: state.faults,
       alarms: state.alarms,
+      judged: state.facts?.judged ?? null,
       bands: this.bands(),
     };
     for (const row of this.rows.values()) {

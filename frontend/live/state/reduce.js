@@ -172,6 +172,7 @@ const own = {
     noise: {},
     broken: null,
     facts: null,
+    past: null,
     faults: [],
     alarms: [],
     log: [],

@@ -32,6 +32,7 @@ export const initial = Object.freeze({
   noise: {},
   broken: null,
   facts: null,
+  past: null,
   places: {},
   parent: null,
   origin: null,

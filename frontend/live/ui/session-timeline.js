@@ -5,6 +5,7 @@
 import {context, fill, h, query} from '../../common/dom.js';
 import {marks, niceStep} from '../scope/axes.js';
 import {palette} from '../scope/canvas.js';
+import {hatch} from '../scope/hatch.js';
 import {seconds} from '../../widgets/number-format.js';
 import {lines} from './event-words.js';
 import {stand, watchRoom} from './free-place.js';
@@ -63,7 +64,15 @@ export function mountTimeline(root, app) {
     },
   );
   app.subscribe(
-    (state) => [state.faults, state.log.length, state.session, state.alarms, state.selection, state.spec?.horizon],
+    (state) => [
+      state.faults,
+      state.log.length,
+      state.session,
+      state.alarms,
+      state.selection,
+      state.spec?.horizon,
+      state.facts?.judged,
+    ],
     () => {
       timeline.still = '';
       app.wake();
@@ -140,6 +149,7 @@ function draw(timeline) {
     ctx.globalAlpha = 1;
   }
   drawFaults(timeline, x, now, end, top, body);
+  drawJudged(timeline, x, now, top, body);
   drawEvents(timeline, x, top, body);
   ctx.fillStyle = colours.ink;
   ctx.fillRect(Math.round(x(now)) - 1, 0, 2, top + body + 3);
@@ -214,6 +224,32 @@ function drawEvents({app, ctx, colours}, x, top, body) {
     if (CHANGES.has(event.kind)) ctx.fillRect(Math.round(x(event.t)), top + body - 6, 1.5, 6);
     else if (event.kind === 'diverged') cross(ctx, x(event.t), top + body - 7, colours.alarm);
   }
+}
+
+/**
+ * Hatching from where the detector has judged to, while it is behind, and the words where there is room for them.
+ * @param {Timeline} timeline
+ * @param {(t: number) => number} x
+ * @param {number} now
+ * @param {number} top
+ * @param {number} body
+ */
+function drawJudged({app, ctx, colours}, x, now, top, body) {
+  const judged = app.state.facts?.judged ?? null;
+  if (judged === null || judged >= now) return;
+  const at = Math.round(x(judged));
+  ctx.fillStyle = colours.card;
+  ctx.fillRect(at, top, x(now) - at, body);
+  hatch(ctx, {left: at, right: x(now), top, bottom: top + body}, colours.soft);
+  ctx.fillStyle = colours.soft;
+  ctx.fillRect(at, top, 1, body);
+  ctx.font = colours.number;
+  const words = t('page.timeline.judged');
+  if (new Set(app.state.faults.map(({subject}) => subject)).size > 2) return; // their bars need the place
+  if (ctx.measureText(words).width > at - 8) return;
+  ctx.textAlign = 'right';
+  ctx.textBaseline = 'bottom';
+  ctx.fillText(words, at - 4, top + body);
 }
 
 /**

@@ -107,4 +107,9 @@ class Facts(Strict):
     undetected: tuple[str, ...] = Field(
         default=(), description="Ids of the active faults that no present alarm names, one for each site."
     )
+    judged: Number | None = Field(
+        default=None,
+        description="Time in s up to which the detector has judged the rows, while it is a decision or more behind; "
+        "null: it has judged all of them, or there is none.",
+    )
     summary: Text = Field(description="The diagnosis in one sentence.")

@@ -37,10 +37,12 @@ from thetascope.messages import Message
 from thetascope.runs.jobs.job import Snapshot
 from thetascope.runs.specs.problem_documents import problem
 from thetascope.runs.specs.refusals import NotReady, Unknown, from_engine, invalid
+from thetascope_schemas.experiment.base import MAX_TIME
 from thetascope_schemas.experiment.diagnosis import InputProposal
 from thetascope_schemas.experiment.experiment import ResolvedExperiment
 from thetascope_schemas.service.answers import SessionOpened, SessionState
 from thetascope_schemas.service.comparison import WindowComparison
+from thetascope_schemas.service.facts import Facts
 from thetascope_schemas.service.run import Progress, Run
 from thetascope_schemas.texts.refusal import suggestion
 
@@ -54,7 +56,10 @@ ControlToken = Annotated[str, Header(alias="X-Control-Token", description="The t
 def links(id: str) -> dict[str, str]:
     """Return the addresses of a session's parts."""
     base = f"/api/sessions/{id}"
-    return {"self": base, **{part: f"{base}/{part}" for part in ("stream", "fork", "save", "data", "comparison")}}
+    return {
+        "self": base,
+        **{part: f"{base}/{part}" for part in ("stream", "fork", "save", "data", "comparison", "facts")},
+    }
 
 
 @router.post(
@@ -186,6 +191,21 @@ async def save_session(
     if snapshot is not None:
         return run_response(snapshot, language, 201)
     return progress_response(started.snapshot(), language, 202)
+
+
+@router.get("/{id}/facts", response_model=Facts, responses=documented(404, 422))
+async def get_facts(
+    id: str,
+    services: Use,
+    language: Language,
+    t: Annotated[
+        float | None, Query(ge=0, le=MAX_TIME, allow_inf_nan=False, description="Time in s; the present by default.")
+    ] = None,
+) -> Response:
+    """Return the facts of the session at a time: alarms are those that had been raised by then, as they were then."""
+    room = _room(services, id)
+    row = room.shown if t is None else min(room.shown, round(t / room.session.record) + 1)
+    return Response(encode(room.facts.past(row), language), media_type="application/json")
 
 
 @router.post("/{id}/proposal", response_model=InputProposal, responses=documented(404, 409))

@@ -25,6 +25,7 @@ class DetectorState:
         diagnosis: its newest report: resolution of the channels, and the note if there is no detector.
         settled: time in s before which nothing is judged.
         note: why there is no detector; None or empty if there is one.
+        judged: time in s up to which rows are judged; None: all are.
     """
 
     alarms: Sequence[Alarm] = ()
@@ -32,6 +33,7 @@ class DetectorState:
     diagnosis: ObserverDiagnosis | None = None
     settled: float = 0.0
     note: Message | Text | str | None = None
+    judged: float | None = None
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,7 @@ def facts(spec: ResolvedExperiment, t: float, at: float, detector: DetectorState
         alarm_verdicts=tuple(AlarmOutcome(**vars(v)) for v in judgement.alarms) if judgement else (),
         fault_outcomes=tuple(FaultOutcome(**vars(v)) for v in judgement.faults) if judgement else (),
         undetected=tuple(p.ids[0] for p in judgement.undetected) if judgement else (),
+        judged=detector.judged,
         summary=Text.of(summary(_situation(spec, t, detector, losses, observers))),
     )
 
@@ -81,6 +84,7 @@ def _situation(
         len(observers),
         [(o.label, o.diverged.t) for o in observers if o.diverged],
         losses.plant,
+        detector.judged,
     )
 
 

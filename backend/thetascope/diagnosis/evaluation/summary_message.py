@@ -23,6 +23,7 @@ class Situation:
         observers: how many run.
         lost: (label, time in s) of those that diverged.
         broken: time in s at which the plant itself diverged.
+        judged: time in s up to which the detector has judged, while it is behind; None: up to t.
     """
 
     t: float
@@ -35,6 +36,7 @@ class Situation:
     observers: int = 0
     lost: Sequence[tuple[str, float]] = ()
     broken: float | None = None
+    judged: float | None = None
 
 
 def summary(now: Situation) -> Message:
@@ -52,7 +54,7 @@ def summary(now: Situation) -> Message:
     if either:
         return _say("either", names=(either[-1].channel, *either[-1].alternatives))
     if now.judgement.undetected:
-        return _undetected(now.judgement.undetected, len(good), now.hidden)
+        return _undetected(now.judgement.undetected, len(good), now.hidden, now.judged)
     if good:
         return _found(good, now.kinds or {})
     return _quiet(now, [verdict.state for _, verdict in pairs])
@@ -78,8 +80,12 @@ def _wrong(
     return _say("false-alarm", name=_subject(false[0])) if false else None
 
 
-def _undetected(undetected: Sequence[Presence], found: int, hidden: frozenset[str]) -> Message:
+def _undetected(undetected: Sequence[Presence], found: int, hidden: frozenset[str], judged: float | None) -> Message:
     """Return the message about faults that act and that no alarm names."""
+    if judged is not None and all(p.onset >= judged for p in undetected):
+        if found:
+            return _say("not-judged-beside", n=found, name=undetected[0].name)
+        return _say("not-judged", n=len(undetected))
     first = next((p for p in undetected if p.kind == "channel"), undetected[0])
     if first.kind == "output":
         return _say("measurement", name=first.name)

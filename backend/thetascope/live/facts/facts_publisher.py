@@ -1,6 +1,7 @@
 """Sends the viewers of a room the facts whenever they change: by a command, a finding, or time that passes."""
 
-from thetascope.live.facts.session_facts import FactsMemory, facts_of, time_of_next_row
+from thetascope.live.facts.past_facts import past_facts
+from thetascope.live.facts.session_facts import FactsMemory, facts_of, judged_until, time_of_next_row
 from thetascope.live.facts.shown_session import ShownSession
 from thetascope_schemas.experiment.diagnosis import ObserverDiagnosis
 from thetascope_schemas.service.facts import Facts
@@ -39,6 +40,10 @@ class FactsPublisher:
         """Return the newest facts that were sent; those of now if none were."""
         return self._sent or self.facts()
 
+    def past(self, row: int) -> Facts:
+        """Return the facts as they were when rows 0 … row − 1 had been shown."""
+        return past_facts(self._room.session, row, self._diagnosis)
+
     def _following(self) -> float:
         """Return the time in s of the next row at which the spec, or an event of a row computed ahead,
         changes the facts."""
@@ -50,6 +55,13 @@ class FactsPublisher:
             times.append(self._diagnosis.calibration.from_time)
         at = time_of_next_row(session.record, shown)
         return min((t for t in times if t > at), default=float("inf"))
+
+    def _lag_changed(self) -> bool:
+        """Return whether the detector has fallen behind, has caught up, or has judged more rows, since facts were
+        sent."""
+        room = self._room
+        t = max(0, room.shown - 1) * room.session.record
+        return self._sent is not None and judged_until(room.session, t) != self._sent.judged
 
     def learn(self, diagnosis: ObserverDiagnosis) -> None:
         """Take the newest report of the detector."""
@@ -66,7 +78,7 @@ class FactsPublisher:
         room = self._room
         reached = time_of_next_row(room.session.record, room.shown) >= self._next
         happened = len(room.session.log) != self._events or room.shown < self._row
-        if room.machine.held or room.machine.closed or not (self._due or reached or happened):
+        if room.machine.held or room.machine.closed or not (self._due or reached or happened or self._lag_changed()):
             return
         now = room.services.clock()
         if not urgent and room.machine.moving and now - self._at < SPACING:

@@ -31,8 +31,20 @@ def facts_of(session: "Session", row: int, memory: "FactsMemory", diagnosis: Obs
     newest report of the detector.
     """
     t = max(0, row - 1) * session.record
+    return facts_with(_present_alarms(session, t, memory), session, row, memory, diagnosis)
+
+
+def facts_with(
+    alarms: tuple[Alarm, ...],
+    session: "Session",
+    row: int,
+    memory: "FactsMemory",
+    diagnosis: ObserverDiagnosis | None = None,
+) -> Facts:
+    """Return the facts when rows 0 … row − 1 have been shown, with these alarms of the detector."""
+    t = max(0, row - 1) * session.record
     at = time_of_next_row(session.record, row)
-    known = facts(session.spec, t, at, detector_state(session, t, at, memory, diagnosis), losses(session, row))
+    known = facts(session.spec, t, at, _detector_state(alarms, session, at, memory, diagnosis), losses(session, row))
     return known if session.spec.truth.record is None else _of_record(known, session.spec)
 
 
@@ -52,19 +64,34 @@ def time_of_next_row(record: float, row: int) -> float:
     return (max(1, row) + _EARLY) * record
 
 
-def detector_state(
-    session: "Session", t: float, at: float, memory: "FactsMemory", diagnosis: ObserverDiagnosis | None = None
-) -> DetectorState:
-    """Return the detector's alarms up to t (s), judged against the faults with an onset before `at` (s)."""
-    live = session.detector
-    if live.detector is None:
-        return DetectorState(note=live.note)
-    alarms = live.alarms(session.current.detection, t, memory.alarms)
+def _present_alarms(session: "Session", t: float, memory: "FactsMemory") -> tuple[Alarm, ...]:
+    """Return the detector's alarms up to t (s)."""
+    alarms = session.detector.alarms(session.current.detection, t, memory.alarms)
     if session.pending_detection() is not None:
         alarms = _with_logged(session, alarms, t, memory)
     memory.latest = {alarm.id: alarm for alarm in alarms}
+    return alarms
+
+
+def _detector_state(
+    alarms: tuple[Alarm, ...],
+    session: "Session",
+    at: float,
+    memory: "FactsMemory",
+    diagnosis: ObserverDiagnosis | None,
+) -> DetectorState:
+    """Return the detector's alarms, judged against the faults with an onset before `at` (s)."""
+    live = session.detector
+    if live.detector is None:
+        return DetectorState(note=live.note)
     settled = max(float(live.detector.thresholds.begin * live.detector.interval), 0.0)
-    return DetectorState(alarms, _judged(session, alarms, at, memory, settled), diagnosis, settled)
+    judgement = _judged(session, alarms, at, memory, settled)
+    return DetectorState(alarms, judgement, diagnosis, settled, None, judged_until(session, at - session.record))
+
+
+def judged_until(session: "Session", t: float) -> float | None:
+    """Return the time in s up to which the detector has judged, if it is a decision or more behind at t (s)."""
+    return session.detector.judged_until(session.current.detection, t)
 
 
 def _with_logged(session: "Session", alarms: tuple[Alarm, ...], t: float, memory: "FactsMemory") -> tuple[Alarm, ...]:

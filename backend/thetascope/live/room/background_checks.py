@@ -17,6 +17,11 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
+TESTED_TOGETHER = 500
+"""Rows of one test for faults, about: when it ends, alarms are sent and viewers learn up to where rows are judged."""
+MOST_BEHIND, MOST_ROWS_BEHIND = 2.0, 2000
+"""Seconds of real time (as fast as possible: rows) that the diagnosis may be behind the rows shown; then time waits."""
+
 
 class BackgroundChecks:
     """The checks of one room. All methods are called on the event loop."""
@@ -24,6 +29,7 @@ class BackgroundChecks:
     def __init__(self, room: "RoomParts") -> None:
         self._room = room
         self._checked, self._checking = room.services.clock(), False
+        self._failed = False  # the test for faults: rows do not wait for it any more
         room.session.leave_detection()
 
     # ---- faults ------------------------------------------------------------------------------------------------------
@@ -36,13 +42,24 @@ class BackgroundChecks:
         progress = None if self._room.machine.closed else self._room.session.pending_detection()
         if progress is None:
             return None
+        progress = progress.beginning(TESTED_TOGETHER)
         return self._room.session.detector.catch_up(progress), partial(self._tested, progress)
+
+    def too_far_behind(self) -> bool:
+        """Return whether the diagnosis is so far behind the rows shown that no more rows should be computed yet."""
+        room = self._room
+        progress = None if self._failed or not room.machine.playing else room.session.pending_detection()
+        if progress is None:
+            return False
+        most = MOST_ROWS_BEHIND if room.playback.speed is None else room.playback.rows_in(MOST_BEHIND)
+        return progress.rows - room.broadcast.left > most
 
     def _tested(self, progress: DetectorProgress, after: "MonitorState", error: Exception | None) -> None:
         room = self._room
         if room.machine.closed:
             return
         if error is not None:
+            self._failed = True
             log.error("session %s: the test for faults failed", room.id, exc_info=error)
             return
         room.queue.submit(partial(room.session.add_detection, progress, after), self._publish)
@@ -58,6 +75,8 @@ class BackgroundChecks:
             room.facts.changed()
         if not room.machine.closed and room.session.pending_detection() is not None:
             room.request_detection()
+            if room.machine.playing and room.playback.speed is None:
+                room.request_prefetch(False)  # it may have waited for this
 
     # ---- assumptions -------------------------------------------------------------------------------------------------
 

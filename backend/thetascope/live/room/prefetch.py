@@ -35,6 +35,8 @@ class Prefetcher:
         if self._busy or not room.machine.running or room.broadcast.complete or room.broadcast.blocked:
             return None
         wanted = room.prefetch_plan.wanted(room.playback, room.broadcast.left, room.broadcast.most)
+        if wanted is not None and room.waits_for_diagnosis:
+            return None
         if wanted is None or target is None:
             return wanted
         rows = min(wanted[0], target - room.shown - room.broadcast.left)

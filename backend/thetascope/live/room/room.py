@@ -295,6 +295,11 @@ class Room:
         """Return the steps that test waiting rows for faults, and their callback; None if no rows wait."""
         return self.checks.detection_job()
 
+    @property
+    def waits_for_diagnosis(self) -> bool:
+        """Whether no rows may be computed ahead before more of them are tested for faults."""
+        return self.checks.too_far_behind()
+
     def request_detection(self) -> None:
         """Ask for waiting rows to be tested for faults when there is time."""
         self.services.request_detection(self)

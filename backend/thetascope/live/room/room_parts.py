@@ -56,6 +56,11 @@ class RoomParts(Protocol):
         """Rows shown so far."""
         ...
 
+    @property
+    def waits_for_diagnosis(self) -> bool:
+        """Whether no rows may be computed ahead before more of them are tested for faults."""
+        ...
+
     def send_status(self) -> None:
         """Send the status to all viewers."""
         ...

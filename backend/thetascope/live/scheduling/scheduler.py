@@ -30,6 +30,8 @@ PAUSE = 0.002
 """Seconds between two rooms that compute ahead."""
 SLICE, REST = 0.0005, 0.001
 """Seconds of one slice of testing for faults, and between two slices; only while no room waits to compute ahead."""
+PATIENCE, SHORT_REST = 0.25, 0.0001
+"""When rooms have waited for these tests for so many seconds, slices follow each other after a shorter time."""
 TURNS = 2
 """Turns of the event loop before a room computes ahead: as many as from a socket's data to the command's execution."""
 
@@ -50,6 +52,7 @@ class Scheduler:
         self._next_free_work = 0.0  # when the next room may compute ahead or be tested
         self._needs_detection: dict[ScheduledRoom, None] = {}  # in order
         self._slices = TimeSlices()
+        self._testing_since: float | None = None  # when rooms began to wait for tests, without a moment of none
         self._order = count()
         self._timer: asyncio.TimerHandle | None = None
         self._running = False
@@ -141,7 +144,7 @@ class Scheduler:
             self._guarded(room, room.prefetch_rows)
         else:
             self._slice()
-        self._next_free_work = self._loop.time() + (REST if room is None else PAUSE)
+        self._next_free_work = self._loop.time() + (self._rest() if room is None else PAUSE)
         if not self._running:
             self._arm()
 
@@ -155,6 +158,16 @@ class Scheduler:
                 self._slices.begin(*pending)
         if self._slices.busy and not self._stopped:
             self._slices.run_for(SLICE)
+
+    def _rest(self) -> float:
+        """Return the seconds between two slices."""
+        now = self._loop.time()
+        if not (self._needs_detection or self._slices.busy):
+            self._testing_since = None
+            return REST
+        if self._testing_since is None:
+            self._testing_since = now
+        return REST if now - self._testing_since < PATIENCE else SHORT_REST
 
     def _guarded(self, room: ScheduledRoom, work: Callable[..., Any], *args: float) -> Any:
         """Return the value of work for a room; if it fails the others continue."""

@@ -49,6 +49,16 @@ class DetectorProgress:
         """How many rows wait."""
         return sum(len(rows.index) for _, rows, _ in self.waiting)
 
+    def beginning(self, rows: int) -> "DetectorProgress":
+        """Return the same with the first waiting batches only: at least one, and more up to `rows` rows."""
+        count, total = 0, 0
+        for _, batch, _ in self.waiting:
+            total += len(batch.index)
+            if count and total > rows:
+                break
+            count += 1
+        return DetectorProgress(self.monitor, self.waiting[:count])
+
     def continues(self, earlier: "DetectorProgress") -> bool:
         """Return whether this is `earlier` with more rows waiting."""
         pairs = zip(self.waiting, earlier.waiting, strict=False)
@@ -132,6 +142,14 @@ class LiveDetector:
         for experiment, rows, values in progress.waiting:
             monitor = yield from advance_over_rows(self._with_noise_of(experiment), monitor, experiment, rows, values)
         return monitor
+
+    def judged_until(self, progress: DetectorProgress | None, t: float) -> float | None:
+        """Return the time in s up to which rows have been judged; None if less than one decision is missing at t (s),
+        or without a detector."""
+        if progress is None or self.detector is None:
+            return None
+        until = progress.monitor.sums.last * self.detector.interval
+        return until if t - until >= (1 - _ROUNDING) * self.detector.interval else None
 
     def events(self, progress: DetectorProgress, after: MonitorState) -> list[Event]:
         """Return the alarms in rows that waited; `after`: the detector's state after them."""
