@@ -297,16 +297,20 @@ def test_the_title_counts_the_running_observers(tab):
     until(live, "/0 observers/.test(document.querySelector('#panel-title').textContent)")
 
 
-def test_the_diagnosis_states_its_time_while_looking_back(tab):
-    """The Diagnosis card shows the present time while an earlier one is displayed, and otherwise not."""
+def test_looking_back_shows_the_diagnosis_of_that_moment(tab):
+    """Before the fault, nothing is found; the card states its time. Back at the present the fault is identified."""
     live = opened(tab, "/?experiment=zhao-2012&t=30")
+    verdict = "document.querySelector('.verdict').textContent"
+    until(live, f"{verdict}.includes('θ₃')")
     tag = live.locator("#panel-diagnosis .as-of-now")
     assert tag.is_hidden()
-    live.evaluate("thetascope.act.look(10)")
+    live.evaluate("thetascope.act.look(19)")
     tag.wait_for()
-    assert tag.inner_text() == "now, 30.0\u202fs"
+    assert tag.inner_text() == "at 19.0\u202fs"
+    assert live.inner_text(".verdict") == "No fault." and live.locator("#panel-diagnosis .finding").count() == 0
     live.evaluate("thetascope.act.look(null)")
     tag.wait_for(state="hidden")
+    assert "θ₃" in live.inner_text(".verdict")
 
 
 def test_no_row_of_the_last_plant_is_left_while_the_next_one_is_awaited(tab):
