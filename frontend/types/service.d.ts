@@ -301,6 +301,12 @@ export interface Comparison {
   observers: (ComparisonRow)[];
 }
 
+/** What a client notes about a comparison. */
+export interface ComparisonNotes {
+  /** Notes as plain text; empty: none. */
+  text: string;
+}
+
 /** The comparison's row of one observer. Counts of alarms and faults are null if no tests ran on its estimates. */
 export interface ComparisonRow {
   label: string;
@@ -2871,10 +2877,14 @@ export interface RunComparison {
   runs: (RunLine)[];
   /** The observer that is compared in each run. */
   observers: (string | null)[];
+  /** Observers that can be compared: those of all runs first. */
+  choices: (string)[];
   differences: (SettingRow)[];
   /** Number of settings that are equal in all runs. */
   same: number;
   measures: (MeasureRow)[];
+  /** What this client noted about the comparison of these runs. */
+  notes: string;
   links: {[name: string]: string};
 }
 

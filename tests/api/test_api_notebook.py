@@ -165,3 +165,32 @@ def test_runs_are_compared_by_settings_measures_and_curves(notebook):
         with pytest.raises(ServiceError) as refusal:
             client.get(f"/api/runs/compare?ids={ids}")
         assert refusal.value.status == status
+
+
+def test_a_comparison_is_printed_less_the_first_and_keeps_its_notes(notebook):
+    """Differences are of the runs' own data; the printed figure names the runs; notes do not depend on the order."""
+    client, ids = notebook
+    query = f"ids={','.join(ids)}"
+    less = client.get(f"/api/runs/compare/figure/print?{query}&less=true&format=json")
+    assert [curve["key"] for curve in less["curves"]] == [curve["label"] for curve in less["curves"]]
+    assert len(less["curves"]) == 2 and len(less["panels"]) == 5 and all(id[:12] in less["caption"] for id in ids)
+    assert less["command"].startswith(f"thetascope figure {','.join(id[:16] for id in ids)} less-the-first --width 8.5")
+    tex = client.request("GET", f"/api/runs/compare/figure/print?{query}&less=1&format=tex&panels=1&legend=none")[2]
+    table = tex.decode().split("\\pgfplotstableread{\n")[1].split("}")[0].splitlines()
+    t, difference = (float(value) for value in table[-1].split())
+    column = table[0].split()[1].partition("-")[0]
+    ends = [client.data(id, [column])[column][-1] for id in ids]
+    assert t == 2.0 and difference == ends[1] - ends[0] != 0
+    pdf = client.request("GET", f"/api/runs/compare/figure/print?{query}&format=pdf&observer=adaptive")[2]
+    assert pdf.startswith(b"%PDF")
+    body = json.dumps({"text": "图 4: leave out θ₂"}).encode()
+    path, kind = f"/api/runs/compare/notes?{query}", {"Content-Type": "application/json"}
+    assert client.request("PUT", path, body, kind)[0] == 200
+    assert client.get(f"/api/runs/compare?ids={ids[2]},{ids[0]},{ids[1]}")["notes"] == "图 4: leave out θ₂"
+    assert client.get(f"/api/runs/compare?ids={ids[0]},{ids[1]}")["notes"] == ""
+    assert client.get(f"/api/runs/compare?{query}")["choices"] == ["adaptive"]
+    client.request("PUT", path, b'{"text": ""}', kind)
+    assert client.get(f"/api/runs/compare?{query}")["notes"] == ""
+    with pytest.raises(ServiceError) as refusal:
+        client.request("PUT", f"/api/runs/compare/notes?ids={ids[0]},{'0' * 32}", body, kind)
+    assert refusal.value.status == 404

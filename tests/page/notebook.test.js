@@ -2,6 +2,7 @@
 
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
+import {addressOf as addressOfChoice, queryOf, readChoice} from '../../frontend/pages/runs/compare/choice.js';
 import {addressOf, NO_FILTER, readFilter, requestOf} from '../../frontend/pages/runs/notebook/filter.js';
 import {addressOfRun, nameOf} from '../../frontend/pages/runs/notebook/line-words.js';
 
@@ -44,4 +45,14 @@ test('a run opens with its changes in the form if the form can show them all', (
   for (const one of [change('plant', 'x*'), change('faults.y#2.size', 1), change('observers.a', null)])
     assert.equal(addressOfRun({...line, changes: [change('seed', 3), one]}), '?run=0123456789');
   assert.equal(addressOfRun({...line, experiment: null, changes: null}), '?run=0123456789');
+});
+
+test('a comparison is in its address: runs, observer, and whether curves are less the first', () => {
+  for (const one of [
+    {ids: ['a1', 'b2'], observer: '', less: false},
+    {ids: ['a1', 'b2', 'c3'], observer: 'ekf & co', less: true},
+  ])
+    assert.deepEqual(readChoice(addressOfChoice(one).replace('/runs/', '')), one);
+  assert.equal(addressOfChoice({ids: ['a1'], observer: 'x', less: true}), '/runs/');
+  assert.equal(String(queryOf({ids: ['a1', 'b2'], observer: '', less: true})), 'ids=a1%2Cb2&less=true');
 });

@@ -54,6 +54,18 @@ def test_conditions_are_on_settings_and_measures(notebook):
     assert ids(notebook, conditions=parse_search("lambda > 2")[1], offset=1) == "a"
 
 
+def test_notes_of_a_comparison_go_with_its_runs(database, notebook):
+    """They do not depend on the order of the runs, are the owner's own, and end when one of the runs is erased."""
+    notebook.note_comparison(["b", "a"], "ann", "of two")
+    notebook.note_comparison(["a", "b", "c"], "ann", "of three")
+    assert (
+        notebook.comparison_notes(["a", "b"], "ann") == "of two" and notebook.comparison_notes(["a", "b"], "eve") == ""
+    )
+    RunStore(database, 10**9).remove("c")
+    assert notebook.erase(time.time() + 1) == 1
+    assert notebook.comparison_notes(["a", "b", "c"], "ann") == "" != notebook.comparison_notes(["b", "a"], "ann")
+
+
 def test_counts_are_those_of_the_list_and_of_the_filter(notebook):
     """A run without facts counts as a run of no experiment."""
     counts = notebook.page("ann", RunQuery(kind="run", group="experiment", limit=1))[1]

@@ -115,6 +115,7 @@ def _drawing(commands: Any, say: Words) -> None:
     figure.add_argument("--panel", action="append", metavar="N", dest="panels", type=int, help=panels)
     styles = say("cli.help.figure.style")
     figure.add_argument("--style", action="append", metavar="CURVE=STYLE", dest="styles", help=styles)
+    figure.add_argument("--observer", metavar="LABEL", help=say("cli.help.figure.observer"))
     figure.add_argument("--quiet", action="store_true", help=say("cli.help.quiet"))
     figure.add_argument("--no-store", action="store_true", help=say("cli.help.no-store"))
     figure.set_defaults(command=_figure)

@@ -46,6 +46,26 @@ class Print(NamedTuple):
     filename: str
 
 
+class Printable(NamedTuple):
+    """What is said of a drawing for print.
+
+    Args:
+        name: of the figure on the command line.
+        target: what the command that reproduces it names: a run, several, or an experiment.
+        options: further words of that command.
+        caption: for below the figure.
+        filename: of the file that the command writes.
+        span: first and last time in s.
+    """
+
+    name: str
+    target: str
+    options: Sequence[str]
+    caption: str
+    filename: str
+    span: tuple[float, float]
+
+
 def prepare(
     finished: Finished,
     name: str,
@@ -68,13 +88,25 @@ def prepare(
     except figures.UnknownFigure as error:
         hint = Message.from_data(suggestion(name[:80], error.names))
         raise Unknown(Message("figure.unknown", name=name[:80]), hint) from None
-    filename = filename or f"{snapshot.spec.id}-{name}-{snapshot.id[:8]}.{settings.format}"
-    command = command_line(target or _target(finished), name, settings, filename, changes)
     caption = Message("print.caption", title=drawing.title, experiment=snapshot.spec.id, run=snapshot.id[:12])
-    about = About(drawing.title, caption.text(language), command)
+    t = finished.result.column("t")
+    about = Printable(
+        name=name,
+        target=target or _target(finished),
+        options=[part for change in changes for part in ("--set", change)],
+        caption=caption.text(language),
+        filename=filename or f"{snapshot.spec.id}-{name}-{snapshot.id[:8]}.{settings.format}",
+        span=(float(t[0]), float(t[-1])),
+    )
+    return prepare_drawing(drawing, about, settings)
+
+
+def prepare_drawing(drawing: Drawing, about: Printable, settings: PrintSettings) -> Print:
+    """Return a drawing, ready to be printed. Raises InvalidSpec as `prepare`."""
+    command = command_line(about.target, about.name, settings, about.filename, about.options)
     try:
-        page = sheet(drawing, settings, about)
-        return Print(page, _description(drawing, page, settings, filename, finished), filename)
+        page = sheet(drawing, settings, About(drawing.title, about.caption, command))
+        return Print(page, _description(drawing, page, settings, about), about.filename)
     except RefusedChoice as error:
         known = error.known
         remedy = Message.from_data(suggestion(str(error.value), known)) if known else None
@@ -96,11 +128,10 @@ def language_of(settings: PrintSettings) -> str:
     return negotiate([settings.lang] if settings.lang else [])
 
 
-def command_line(target: str, name: str, settings: PrintSettings, filename: str, changes: Sequence[str] = ()) -> str:
-    """Return the command that writes the figure again."""
+def command_line(target: str, name: str, settings: PrintSettings, filename: str, options: Sequence[str] = ()) -> str:
+    """Return the command that writes the figure again; `options`: further words of it."""
     language = language_of(settings)
-    words = ["thetascope", *(["--language", language] if language != "en" else []), "figure", target, name]
-    words += [part for change in changes for part in ("--set", change)]
+    words = ["thetascope", *(["--language", language] if language != "en" else []), "figure", target, name, *options]
     for option in ("width", "height", "font", "size", "colour", "legend", "start", "end"):
         value = getattr(settings, option)
         if option == "width" or value != getattr(_DEFAULTS, option):
@@ -120,17 +151,14 @@ def _target(finished: Finished) -> str:
     return snapshot.spec.id if same else snapshot.id[:16]
 
 
-def _description(
-    drawing: Drawing, page: Sheet, settings: PrintSettings, filename: str, finished: Finished
-) -> PrintedFigure:
+def _description(drawing: Drawing, page: Sheet, settings: PrintSettings, about: Printable) -> PrintedFigure:
     styles = styles_of(drawing, settings.styles)
     numbers = settings.panels or range(1, len(drawing.strips) + 1)
-    t = finished.result.column("t")
     return PrintedFigure(
         title=page.about.title,
         caption=page.about.caption,
         command=page.about.command,
-        filename=filename,
+        filename=about.filename,
         width=page.width,
         height=page.height,
         curves=tuple(
@@ -150,5 +178,5 @@ def _description(
         type_size=page.size,
         thinnest=page.thinnest,
         apart=page.apart,
-        span=(float(t[0]), float(t[-1])),
+        span=about.span,
     )

@@ -20,6 +20,7 @@ from thetascope.store.database import Database, backend_of
 from thetascope.store.errors import StoreError
 from thetascope.store.record_store import has_record
 from thetascope.store.tables import (
+    COMPARISON_NOTES,
     OWNERS,
     PLANTS,
     RECORD_SHARES,
@@ -40,6 +41,7 @@ _WHOLE = {
     OWNERS: lambda row: True,
     RUN_FACTS: lambda row: True,
     RUN_NOTES: lambda row: True,
+    COMPARISON_NOTES: lambda row: True,
     RECORDS: has_record,
     RECORD_SHARES: lambda row: True,
     PLANTS: has_plant,

@@ -113,4 +113,12 @@ MIGRATIONS: tuple[tuple[str | Callable[[Connection], None], ...], ...] = (
             PRIMARY KEY (run, owner)
         )""",
     ),
+    (
+        """CREATE TABLE comparison_notes (
+            runs TEXT NOT NULL,
+            owner TEXT NOT NULL,
+            text TEXT NOT NULL,
+            PRIMARY KEY (runs, owner)
+        )""",
+    ),
 )

@@ -3,10 +3,11 @@
 import json
 import logging
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Row, func, select
+from sqlalchemy import Row, delete, func, insert, select
 from sqlalchemy.dialects import postgresql, sqlite
 
 from thetascope.store.database import Database
@@ -14,7 +15,7 @@ from thetascope.store.notebook.facts import RunFacts, facts_of_row, put_facts, s
 from thetascope.store.notebook.listing import GROUPS, MEASURES, Counts, RunQuery, conditions, joined, ordered
 from thetascope.store.notebook.removal import erase, mark_removed
 from thetascope.store.run_store import Record, listed_record
-from thetascope.store.tables import OWNERS, RUN_FACTS, RUN_NOTES, RUNS
+from thetascope.store.tables import COMPARISON_NOTES, OWNERS, RUN_FACTS, RUN_NOTES, RUNS
 
 log = logging.getLogger(__name__)
 
@@ -92,6 +93,21 @@ class NotebookStore:
         texts = {"name": name, "tags": None if tags is None else json.dumps(tags, ensure_ascii=False)}
         self._put_note(id, owner, {key: value for key, value in texts.items() if value is not None})
 
+    def comparison_notes(self, ids: Sequence[str], owner: str) -> str:
+        """Return what an owner notes about the comparison of runs, "" if nothing."""
+        here = (COMPARISON_NOTES.c.runs == _together(ids)) & (COMPARISON_NOTES.c.owner == owner)
+        with self._database.reading() as connection:
+            return connection.execute(select(COMPARISON_NOTES.c.text).where(here)).scalar_one_or_none() or ""
+
+    def note_comparison(self, ids: Sequence[str], owner: str, text: str) -> None:
+        """Write what an owner notes about the comparison of runs; an empty text removes it."""
+        row = {"runs": _together(ids), "owner": owner, "text": text}
+        here = (COMPARISON_NOTES.c.runs == row["runs"]) & (COMPARISON_NOTES.c.owner == owner)
+        with self._database.writing() as connection:
+            connection.execute(delete(COMPARISON_NOTES).where(here))
+            if text:
+                connection.execute(insert(COMPARISON_NOTES), row)
+
     def give_up(self, id: str, owner: str, at: float | None) -> None:
         """Leave a run that others own out of an owner's list; with None for the time, take it back."""
         self._put_note(id, owner, {"removed": at})
@@ -151,6 +167,11 @@ def _meets(numbers: str | None, conditions: list[Any]) -> bool:
 
 def _line(row: Row, owners: frozenset[str]) -> Line:
     return Line(listed_record(row), facts_of_row(row), row.name or "", _tags(row.tags), owners)
+
+
+def _together(ids: Sequence[str]) -> str:
+    """Return the key of a comparison, whichever the order of its runs."""
+    return ",".join(sorted(ids))
 
 
 def _tags(text: str | None) -> tuple[str, ...]:

@@ -125,6 +125,11 @@ class RunStore:
         self._lost: set[tuple[str, str]] = set()  # damaged results that could not be removed
 
     @property
+    def database(self) -> Database:
+        """Return the database that holds the runs."""
+        return self._database
+
+    @property
     def read_only(self) -> bool:
         """Whether nothing can be written."""
         return self._database.read_only

@@ -94,6 +94,15 @@ RUN_NOTES = Table(
     Column("removed", Float),
 )
 
+#: What an owner notes about a comparison of runs; `runs` has their ids in alphabetical order, with commas.
+COMPARISON_NOTES = Table(
+    "comparison_notes",
+    METADATA,
+    Column("runs", Text, primary_key=True),
+    Column("owner", Text, primary_key=True),
+    Column("text", Text, nullable=False),
+)
+
 #: Files of records: the id is the hash of the unpacked bytes, and so their checksum. They cannot be computed again.
 RECORDS = Table(
     "records",

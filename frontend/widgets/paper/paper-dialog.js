@@ -4,7 +4,7 @@
 import {get, reason} from '../../common/api.js';
 import {fill, h, number} from '../../common/dom.js';
 import {language, t} from '../../i18n/words.js';
-import {choice, field, lengthOrNull, segments} from './paper-fields.js';
+import {choice, field, lengthOrNull, segments, widths} from './paper-fields.js';
 import {curvesAndPanels} from './paper-lists.js';
 
 /** @import * as service from '../../types/service.js' */
@@ -48,12 +48,13 @@ function queryOf(settings, format) {
 }
 
 /**
- * Open the dialog for a figure of a run.
+ * Open the dialog for a figure of a run, or of several.
  * @param {string} address   of the figure, /api/runs/{id}/figures/{name}
  * @param {string} title
  * @param {number[]} [panels]   those that are drawn at first; empty: all
+ * @param {URLSearchParams} [more]   further parts of the query, which choose the curves
  */
-export function openPaper(address, title, panels = []) {
+export function openPaper(address, title, panels = [], more = new URLSearchParams()) {
   const settings = {...kept(), panels};
   const image = h('img', {alt: t('page.paper.preview', {title})});
   const ruler = h('p', {class: 'ruler', 'aria-hidden': 'true'}, h('span'));
@@ -67,14 +68,17 @@ export function openPaper(address, title, panels = []) {
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   let timer;
 
+  /** The address of the file in a format. @param {string} format */
+  const printed = (format) => `${address}/print?${new URLSearchParams([...more, ...queryOf(settings, format)])}`;
+
   async function update() {
     asking?.abort();
     const mine = (asking = new AbortController());
     dialog.dataset.state = 'drawing';
     try {
       /** @type {service.PrintedFigure} */
-      const described = await get(`${address}/print?${queryOf(settings, 'json')}`, mine.signal);
-      const wanted = `${address}/print?${queryOf(settings, 'svg')}`;
+      const described = await get(printed('json'), mine.signal);
+      const wanted = printed('svg');
       lists.show(described);
       fill(caption, described.caption);
       fill(command, described.command.replace(/\.json$/, `.${settings.format}`));
@@ -134,15 +138,7 @@ export function openPaper(address, title, panels = []) {
     {onsubmit: (/** @type {Event} */ event) => event.preventDefault()},
     field(
       t('page.paper.width'),
-      segments(
-        t('page.paper.width'),
-        [
-          ['8.5', '8.5 cm'],
-          ['17.5', '17.5 cm'],
-        ],
-        String(settings.width),
-        (w) => set({width: Number(w)}),
-      ),
+      ...widths(settings.width, (width) => set({width})),
       lengthOrNull(t('page.paper.height'), '× cm', (height) => set({height})),
     ),
     field(
@@ -219,7 +215,7 @@ export function openPaper(address, title, panels = []) {
   );
   const download = h('button', {type: 'button', class: 'run', onclick: () => fetchTo()}, t('page.paper.download'));
   function fetchTo() {
-    const link = h('a', {href: `${address}/print?${queryOf(settings, settings.format)}`, download: ''});
+    const link = h('a', {href: printed(settings.format), download: ''});
     document.body.append(link);
     link.click();
     link.remove();

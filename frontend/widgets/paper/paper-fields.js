@@ -1,6 +1,7 @@
 // The fields of "Figure for a paper", and the options that they set.
 
 import {h} from '../../common/dom.js';
+import {t} from '../../i18n/words.js';
 
 /** @import {Child} from '../../types/dom.js' */
 
@@ -52,6 +53,35 @@ export function segments(name, entries, chosen, act) {
     ),
   );
   return h('span', {class: 'segments', role: 'group', 'aria-label': name}, buttons);
+}
+
+/**
+ * The widths of a column and of a page, and a field for any other.
+ * @param {number} chosen   cm
+ * @param {(width: number) => void} act
+ */
+export function widths(chosen, act) {
+  const usual = segments(
+    t('page.paper.width'),
+    ['8.5', '17.5'].map((width) => [width, `${width} cm`]),
+    String(chosen),
+    (width) => {
+      input.value = width;
+      act(Number(width));
+    },
+  );
+  const other = lengthOrNull(
+    t('page.paper.width-cm'),
+    'cm',
+    (width) => {
+      for (const button of usual.querySelectorAll('button'))
+        button.setAttribute('aria-pressed', String(parseFloat(button.textContent ?? '') === width));
+      if (width !== null && width > 0) act(width);
+    },
+    chosen,
+  );
+  const input = /** @type {HTMLInputElement} */ (other.querySelector('input'));
+  return [usual, other];
 }
 
 /**

@@ -71,7 +71,7 @@ def test_axe_finds_nothing_serious_in_the_notebook(page, ids, width, theme, lang
 
 
 def test_two_chosen_runs_are_compared(page, ids):
-    """The key C opens curves, the settings that differ and the measures, which a heading sorts; axe finds nothing."""
+    """The key C opens curves, settings, measures, notes, differences and a figure for a paper; axe is clean."""
     opened = listed(page, ids[1], theme="dark")
     for id in ids:
         opened.locator(f"[data-run='{id}'] input").check()
@@ -85,6 +85,26 @@ def test_two_chosen_runs_are_compared(page, ids):
     assert opened.locator(".compare-measures [aria-sort=ascending]").count() == 1
     values = [float(text) for text in opened.locator(".compare-measures tbody td:nth-child(2)").all_inner_texts()]
     assert values == sorted(values)
+    opened.click(".compare-measures .columns-menu summary")
+    opened.locator(".compare-measures .menu-list input").first.uncheck()
+    until(opened, "!document.querySelector('.compare-measures thead button').textContent.includes('RMSE of x₁')")
+    opened.fill(".compare-notes textarea", "ask for λ = 2")
+    opened.click("text=less the first")
+    opened.wait_for_selector(".plot[data-drawn*=less]")
+    assert opened.locator(".plot .legendtext").count() == 1
+    opened.get_by_text("kept with the comparison").wait_for()
+    opened.click(".notebook-bar .run")
+    until(opened, "document.querySelector('.paper-dialog')?.dataset.state === 'drawn'")
+    opened.fill(".paper-dialog [aria-label='Width in cm']", "12.7")
+    until(opened, "document.querySelector('.paper-dialog .ruler').textContent.includes('12.7')")
+    assert f"{ids[0][:16]},{ids[1][:16]} less-the-first" in opened.inner_text(".paper-dialog form code")
+    opened.evaluate(AXE)
+    assert serious(opened) == []
+    opened.click(".paper-dialog header button")
+    opened.reload()
+    opened.wait_for_selector(".plot[data-drawn*=less]")
+    assert opened.input_value(".compare-notes textarea") == "ask for λ = 2"
+    assert "RMSE of x₁" not in opened.inner_text(".compare-measures thead")
     opened.evaluate(AXE)
     assert serious(opened) == [] and opened.watch.errors == []
     opened.set_viewport_size({"width": 390, "height": 844})

@@ -11,6 +11,7 @@ from thetascope.runs.specs.run_requests import RunRequest
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.figures.printed_figure import PrintSettings
+from thetascope_schemas.service.notebook.comparison import ComparisonNotes
 from thetascope_schemas.service.notebook.lines import RunNotes
 from thetascope_schemas.service.plants.text import TextEdit
 from thetascope_schemas.service.plants.trial import FaultPatternRequest, PlantTrialRequest
@@ -43,6 +44,7 @@ BODIES = (
     RecordDiagnosisRequest,
     RecordRunRequest,
     RunNotes,
+    ComparisonNotes,
     RunRequest,
     SessionRequest,
     ForkRequest,

@@ -39,6 +39,13 @@ def compare_runs(runs: Sequence[Snapshot], observer: str | None) -> Compared:
     return Compared(runs, labels)
 
 
+def choices(compared: Compared) -> list[str]:
+    """Return the observers that can be compared: those of all runs first, then those of some."""
+    of_runs = [list(run.spec.observer_configs()) for run in compared.runs]
+    labels = dict.fromkeys(label for one in of_runs for label in one)
+    return sorted(labels, key=lambda label: -sum(label in one for one in of_runs))
+
+
 def differences(compared: Compared) -> dict[str, Any]:
     """Return the settings that differ, with the values of each run, and the number of the others."""
     rows, same = differing([run.spec for run in compared.runs])

@@ -2,6 +2,7 @@
 
 import logging
 import time
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -64,6 +65,16 @@ class Notebook:
         if name is not None or tags is not None:
             self._runs.written_in_order(lambda: self._store.note(id, by.owner, name, tags))
         return self.line(id, by)
+
+    def comparison_notes(self, ids: Sequence[str], by: Principal) -> str:
+        """Return what a client notes about the comparison of runs."""
+        return self._store.comparison_notes(ids, by.owner)
+
+    def keep_comparison_notes(self, ids: Sequence[str], by: Principal, text: str) -> None:
+        """Keep a client's notes about the comparison of runs, which are in its list. Raises Unknown."""
+        for id in ids:
+            self.line(id, by)
+        self._runs.written_in_order(lambda: self._store.note_comparison(ids, by.owner, text))
 
     def remove(self, id: str, by: Principal) -> bool:
         """Remove a run, or the client's share of it; return whether it is gone. Both can be undone for some time.

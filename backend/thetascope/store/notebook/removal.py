@@ -2,12 +2,14 @@
 
 from sqlalchemy import ColumnElement, Connection, delete, select, update
 
-from thetascope.store.tables import OWNERS, RESULTS, RUN_FACTS, RUN_NOTES, RUNS
+from thetascope.store.tables import COMPARISON_NOTES, OWNERS, RESULTS, RUN_FACTS, RUN_NOTES, RUNS
 
 
 def erase(connection: Connection, condition: ColumnElement[bool]) -> int:
     """Delete the runs that meet a condition, with specs, results, owners, facts and notes; return their number."""
     ids = select(RUNS.c.id).where(condition)
+    for id in connection.execute(ids).scalars().all():
+        connection.execute(delete(COMPARISON_NOTES).where(COMPARISON_NOTES.c.runs.contains(id, autoescape=True)))
     connection.execute(delete(RESULTS).where(RESULTS.c.id.in_(ids)))
     for table in (OWNERS, RUN_FACTS, RUN_NOTES):
         connection.execute(delete(table).where(table.c.run.in_(ids)))

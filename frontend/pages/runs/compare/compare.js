@@ -1,30 +1,29 @@
-// Two to six runs compared: curves overlaid, settings that differ, measures to sort by.
+// Two to six runs compared: curves overlaid or less the first, settings that differ, measures, notes, and a figure for
+// a paper.
 
 import {connection, get, Problem, reason} from '../../../common/api.js';
-import {fill, h, number, query} from '../../../common/dom.js';
+import {fill, h, query} from '../../../common/dom.js';
 import {mountTop} from '../../../common/page-header.js';
 import {problemBlock} from '../../../common/problem.js';
+import {segments} from '../../../widgets/paper/paper-fields.js';
+import {openPaper} from '../../../widgets/paper/paper-dialog.js';
 import {drawFigure} from '../figures.js';
-import {addressOfRun, labelOf, nameOf, valueOf} from '../notebook/line-words.js';
+import {addressOfRun, nameOf} from '../notebook/line-words.js';
 import {chosenLanguage} from '../../../i18n/language.js';
 import {named, speak, t} from '../../../i18n/words.js';
+import {addressOf, paperOf, queryOf, readChoice} from './choice.js';
+import {createNotes} from './notes.js';
+import {createMeasures, differences, swatch} from './tables.js';
 
 /** @import * as service from '../../../types/service.js' */
 /** @import {PlotlyFigure} from '../../../types/globals.js' */
 
 await speak(chosenLanguage());
-const ids = (new URLSearchParams(location.search).get('compare') ?? '').split(',');
-/** @type {number | null} the measure by which runs are sorted */
-let sorted = null;
-
-/** The address of a comparison of other runs. @param {string[]} others */
-const addressOf = (others) => (others.length > 1 ? `/runs/?compare=${others.join(',')}` : '/runs/');
-
-/** @param {number} place */
-const swatch = (place) => h('span', {class: 'swatch', style: `background:var(--o${place})`, 'aria-hidden': 'true'});
+let choice = readChoice(location.search);
 
 /** @param {service.RunComparison} found */
 function chips({runs}) {
+  const {ids} = choice;
   return h(
     'ul',
     {class: 'compared'},
@@ -39,7 +38,7 @@ function chips({runs}) {
             'a',
             {
               class: 'off',
-              href: addressOf(ids.filter((id) => id !== run.id)),
+              href: addressOf({...choice, ids: ids.filter((id) => id !== run.id)}),
               'aria-label': t('page.compare.without', {name: nameOf(run)}),
             },
             '×',
@@ -49,111 +48,6 @@ function chips({runs}) {
   );
 }
 
-/** @param {service.RunComparison} found */
-function differences({runs, differences: rows, same}) {
-  const table = h(
-    'table',
-    {class: 'compare-table'},
-    h(
-      'thead',
-      {},
-      h(
-        'tr',
-        {},
-        h('th', {}, t('page.compare.setting')),
-        runs.map((run, place) =>
-          h('th', {class: 'r', title: nameOf(run)}, swatch(place), h('span', {class: 'unseen'}, nameOf(run))),
-        ),
-      ),
-    ),
-    h(
-      'tbody',
-      {},
-      rows.map(({label, values}) =>
-        h(
-          'tr',
-          {},
-          h('th', {}, labelOf(label)),
-          values.map((value) =>
-            h('td', {class: `r${value === values[0] ? '' : ' other'}`}, h('span', {}, valueOf(value) || '–')),
-          ),
-        ),
-      ),
-    ),
-  );
-  return [
-    h('h2', {}, t('page.compare.differs')),
-    rows.length > 0 && h('div', {class: 'wide', tabindex: 0}, table),
-    h('p', {class: 'soft small'}, rows.length ? t('page.compare.same', {n: same}) : t('page.compare.all-same')),
-  ];
-}
-
-/** @param {HTMLElement} root @param {service.RunComparison} found */
-function showMeasures(root, found) {
-  const {runs, measures, observers} = found;
-  const key = sorted === null ? null : measures[sorted].values;
-  const order = runs.map((_, place) => place);
-  if (key) order.sort((a, b) => (key[a] ?? Infinity) - (key[b] ?? Infinity));
-  const best = measures.map(({values}) => {
-    const known = values.filter((value) => value !== null);
-    return known.length > 1 && Math.max(...known) > Math.min(...known) ? Math.min(...known) : null;
-  });
-  const table = h(
-    'table',
-    {class: 'compare-table'},
-    h(
-      'thead',
-      {},
-      h(
-        'tr',
-        {},
-        h('th', {}, t('page.compare.run')),
-        measures.map(({label}, place) =>
-          h(
-            'th',
-            {class: 'r', 'aria-sort': sorted === place ? 'ascending' : null},
-            h(
-              'button',
-              {type: 'button', onclick: () => sortBy(root, found, place)},
-              labelOf(label),
-              sorted === place && ' ↑',
-            ),
-          ),
-        ),
-      ),
-    ),
-    h(
-      'tbody',
-      {},
-      order.map((run) =>
-        h(
-          'tr',
-          {},
-          h('th', {}, swatch(run), ' ', nameOf(runs[run]), observers[run] && h('small', {}, ' ', observers[run])),
-          measures.map(({unit, values}, place) => {
-            const text = values[run] === null ? '–' : `${number(values[run], 3)}${unit && ` ${unit}`}`;
-            return h('td', {class: 'r'}, values[run] !== null && values[run] === best[place] ? h('b', {}, text) : text);
-          }),
-        ),
-      ),
-    ),
-  );
-  fill(
-    root,
-    h('h2', {}, t('page.compare.measures')),
-    h('div', {class: 'wide', tabindex: 0}, table),
-    h('p', {class: 'soft small'}, t('page.compare.measures.hint')),
-  );
-}
-
-/** @param {HTMLElement} root @param {service.RunComparison} found @param {number} place */
-function sortBy(root, found, place) {
-  sorted = sorted === place ? null : place;
-  showMeasures(root, found);
-  const button = root.querySelectorAll('thead button')[place];
-  if (button instanceof HTMLElement) button.focus();
-}
-
 document.title = `${t('page.notebook.compare')} · Thetascope`;
 document.body.classList.add('comparing');
 query('.skip').textContent = t('page.nav.skip-to-figures');
@@ -161,45 +55,107 @@ mountTop(query('.top'), connection);
 const main = query('main');
 const bar = h('section', {class: 'notebook-bar'});
 const plot = h('div', {class: 'plot'});
-const curves = h('section', {class: 'card compare-curves'}, h('h2', {}, t('page.compare.figure')), plot);
+const legend = h('p', {class: 'soft small'});
+const tools = h('div', {class: 'curve-tools'});
+const curves = h(
+  'section',
+  {class: 'card compare-curves'},
+  h('div', {class: 'heading'}, h('h2', {}, t('page.compare.figure')), tools),
+  legend,
+  plot,
+);
 const settings = h('section', {class: 'card'});
-const measures = h('section', {class: 'card compare-measures'});
+const measuresCard = h('section', {class: 'card compare-measures'});
+const measures = createMeasures(measuresCard);
+const notesCard = h('section', {class: 'card compare-notes'});
 main.before(bar);
-try {
-  /** @type {service.RunComparison} */
-  const found = await get(`/api/runs/compare?${new URLSearchParams({ids: ids.join(',')})}`);
-  const titles = [...new Set(found.runs.map((run) => named(run.title)))];
-  fill(
-    bar,
-    h(
-      'div',
-      {class: 'bar-name'},
-      h('h1', {}, t('page.compare.title', {n: found.runs.length})),
-      h('small', {class: 'soft'}, titles.join(' · ')),
-    ),
-    chips(found),
-    h('div', {class: 'bar-actions'}, h('a', {class: 'quiet', href: '/runs/'}, t('page.notebook.all-runs'))),
+
+/** @param {string} title */
+const paper = (title) =>
+  h(
+    'button',
+    {type: 'button', class: 'run', onclick: () => openPaper(...paperOf(choice, title))},
+    t('page.paper.open'),
   );
-  fill(settings, differences(found));
-  showMeasures(measures, found);
-  fill(main, curves, h('div', {class: 'compare-cards'}, settings, measures));
-  const draw = async () => {
-    /** @type {PlotlyFigure} */
-    const figure = await get(`${found.links.figure}&theme=${window.theme.now}`);
-    await drawFigure(plot, figure);
-  };
-  const redraw = () => draw().catch(trouble);
-  addEventListener('theme', redraw);
-  /** @type {ReturnType<typeof setTimeout> | undefined} */
-  let timer;
-  addEventListener('resize', () => {
-    clearTimeout(timer);
-    timer = setTimeout(redraw, 150);
+
+/** @param {Partial<typeof choice>} changes */
+function choose(changes) {
+  choice = {...choice, ...changes};
+  history.replaceState(null, '', addressOf(choice));
+  return load().catch(trouble);
+}
+
+/** @param {service.RunComparison} found */
+function showTools({choices, observers}) {
+  const common = observers.every((label) => label === observers[0]) ? observers[0] : null;
+  fill(
+    tools,
+    choices.length > 1 &&
+      h(
+        'select',
+        {
+          'aria-label': t('page.compare.observer'),
+          onchange: ({currentTarget}) => choose({observer: currentTarget.value}),
+        },
+        choice.observer === '' &&
+          common === null &&
+          h('option', {value: '', selected: true}, t('page.compare.observer.first')),
+        choices.map((label) => h('option', {value: label, selected: label === (choice.observer || common)}, label)),
+      ),
+    segments(
+      t('page.compare.curves'),
+      [
+        ['', t('page.compare.overlaid')],
+        ['less', t('page.compare.less')],
+      ],
+      choice.less ? 'less' : '',
+      (value) => choose({less: value === 'less'}),
+    ),
+  );
+}
+
+/** @type {AbortController | null} */
+let drawing = null;
+async function draw() {
+  drawing?.abort();
+  const mine = (drawing = new AbortController());
+  const theme = window.theme.now;
+  /** @type {PlotlyFigure} */
+  const figure = await get(`/api/runs/compare/figure?${queryOf(choice)}&theme=${theme}`, mine.signal);
+  if (mine.signal.aborted) return;
+  fill(legend, named(figure.layout.meta?.caption));
+  await drawFigure(plot, figure);
+  plot.dataset.drawn = `${addressOf(choice)} ${theme}`;
+}
+const redraw = () =>
+  draw().catch((error) => {
+    if (error?.name !== 'AbortError') trouble(error);
   });
+
+async function load() {
+  /** @type {service.RunComparison} */
+  const found = await get(`/api/runs/compare?${queryOf(choice)}`);
+  const titles = [...new Set(found.runs.map((run) => named(run.title)))];
+  const title = t('page.compare.title', {n: found.runs.length});
+  if (!curves.isConnected) {
+    fill(
+      bar,
+      h('div', {class: 'bar-name'}, h('h1', {}, title), h('small', {class: 'soft'}, titles.join(' · '))),
+      chips(found),
+      h(
+        'div',
+        {class: 'bar-actions'},
+        paper(title),
+        h('a', {class: 'quiet', href: '/runs/'}, t('page.notebook.all-runs')),
+      ),
+    );
+    fill(settings, differences(found));
+    createNotes(notesCard, choice.ids, found.notes);
+    fill(main, curves, h('div', {class: 'compare-cards'}, settings, measuresCard, notesCard));
+  }
+  showTools(found);
+  measures.show(found);
   await redraw();
-  plot.dataset.drawn = '';
-} catch (error) {
-  fill(main, h('div', {class: 'card'}, trouble(error)));
 }
 
 /** @param {unknown} error */
@@ -208,3 +164,12 @@ function trouble(error) {
   if (plot.isConnected) fill(plot, block);
   return block;
 }
+
+addEventListener('theme', redraw);
+/** @type {ReturnType<typeof setTimeout> | undefined} */
+let timer;
+addEventListener('resize', () => {
+  clearTimeout(timer);
+  timer = setTimeout(redraw, 150);
+});
+await load().catch((error) => fill(main, h('div', {class: 'card'}, trouble(error))));

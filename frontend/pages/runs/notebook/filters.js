@@ -13,6 +13,7 @@ import {t} from '../../../i18n/words.js';
 export function createBar(root, act) {
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   let timer;
+  const columns = h('span', {class: 'columns-place'});
   const sum = h('small', {class: 'soft'});
   /** @type {HTMLInputElement} */
   const search = h('input', {
@@ -43,6 +44,7 @@ export function createBar(root, act) {
       'div',
       {class: 'bar-actions'},
       h('label', {class: 'group-by'}, h('span', {class: 'soft'}, t('page.notebook.group')), group.element),
+      columns,
       h('a', {class: 'run', href: '/runs/?new'}, t('page.notebook.new-run')),
     ),
   );
@@ -60,7 +62,7 @@ export function createBar(root, act) {
     since.element.value = filter.since;
     group.element.value = filter.group;
   }
-  return {show, search};
+  return {show, search, columns};
 }
 
 /**

@@ -224,7 +224,7 @@ main.before(parts.bar, parts.shelf);
 main.after(parts.tray, parts.notice);
 const bar = createBar(parts.bar, act);
 const shelf = createShelf(parts.shelf, act);
-const table = createTable(parts.card, act);
+const table = createTable(parts.card, act, bar.columns);
 const tray = createTray(parts.tray, act);
 const notice = createNotice(parts.notice);
 addEventListener('keydown', pressed);

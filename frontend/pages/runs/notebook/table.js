@@ -2,6 +2,7 @@
 
 import {fill, h, number} from '../../../common/dom.js';
 import {plain} from '../../../common/names.js';
+import {createColumnsMenu} from '../../../widgets/columns-menu.js';
 import {addressOfRun, changesOf, nameOf, whenOf} from './line-words.js';
 import {sparkline} from './sparkline.js';
 import {named, t} from '../../../i18n/words.js';
@@ -25,8 +26,13 @@ const COLUMNS = [
 /**
  * @param {HTMLElement} root
  * @param {NotebookActions} act
+ * @param {HTMLElement} columns   where the menu of columns is put
  */
-export function createTable(root, act) {
+export function createTable(root, act, columns) {
+  /** @type {NotebookState | null} */
+  let latest = null;
+  const menu = createColumnsMenu('runs', () => latest && show(latest));
+  menu.show(COLUMNS.slice(1).map(([name]) => [name, t(`page.notebook.column.${name}`)]));
   const head = h('tr');
   const table = h(
     'table',
@@ -37,10 +43,13 @@ export function createTable(root, act) {
   const more = h('button', {type: 'button', class: 'quiet more-runs', onclick: act.more}, t('page.notebook.more'));
   const empty = h('div', {class: 'no-runs'});
   fill(root, table, empty, more);
+  columns.append(menu.root);
 
   /** @param {NotebookState} state */
   function show(state) {
+    latest = state;
     const {lines, groups, filter} = state;
+    for (const [name] of COLUMNS) table.classList.toggle(`no-${name}`, name !== 'name' && !menu.shows(name));
     const focused = focusOf(table);
     fill(
       head,

@@ -54,6 +54,16 @@ class PrintSettings(Strict):
         return self
 
 
+class OverlaidPrintSettings(PrintSettings):
+    """The options of the curves of several runs for print."""
+
+    model_config = example(ids="bd47ec8d7cf57768,edb759b816289dd0", format="pdf", width=8.5)
+
+    ids: str = Field(max_length=400, description="Ids of two to six runs, separated by commas.")
+    observer: str | None = Field(default=None, max_length=40, description="Label of the observer; default: the first.")
+    less: bool = Field(default=False, description="Whether curves are the differences from the first run.")
+
+
 class PrintedCurve(Strict):
     """One curve that the figure can show: the same quantity of the same observer in all panels."""
 

@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from thetascope_schemas.experiment.base import Number, Strict, Text
+from thetascope_schemas.experiment.base import Number, Strict, Text, example
 from thetascope_schemas.service.notebook.lines import RunLine, Setting
 
 
@@ -27,7 +27,17 @@ class RunComparison(Strict):
 
     runs: tuple[RunLine, ...]
     observers: tuple[str | None, ...] = Field(description="The observer that is compared in each run.")
+    choices: tuple[str, ...] = Field(description="Observers that can be compared: those of all runs first.")
     differences: tuple[SettingRow, ...]
     same: int = Field(description="Number of settings that are equal in all runs.")
     measures: tuple[MeasureRow, ...]
+    notes: str = Field(description="What this client noted about the comparison of these runs.")
     links: dict[str, str]
+
+
+class ComparisonNotes(Strict):
+    """What a client notes about a comparison."""
+
+    model_config = example(text="For figure 4: leave out θ2, the journal prints in grey.")
+
+    text: str = Field(max_length=4000, description="Notes as plain text; empty: none.")

@@ -16,11 +16,11 @@ from thetascope_schemas.service.figures.printed_figure import PrintedFigure, Pri
 
 router = APIRouter(prefix="/runs/{id}", tags=["results"])
 
-_FILES = {200: {"content": {kind: {} for format, kind in MEDIA_TYPES.items() if format != "json"}}}
+PRINTED = {200: {"content": {kind: {} for format, kind in MEDIA_TYPES.items() if format != "json"}}}
 
 
 @router.get(
-    "/figures/{name}/print", response_model=PrintedFigure, responses={**_FILES, **documented(404, 409, 422, 429, 503)}
+    "/figures/{name}/print", response_model=PrintedFigure, responses={**PRINTED, **documented(404, 409, 422, 429, 503)}
 )
 async def get_printed_figure(
     request: Request, id: str, name: str, services: Use, settings: Annotated[PrintSettings, Query()]
@@ -37,7 +37,7 @@ async def get_printed_figure(
     "/figures/{name}/print",
     response_model=PrintedFigure,
     openapi_extra=body_schema("PrintSettings"),
-    responses={**_FILES, **documented(404, 409, 413, 415, 422, 429, 503)},
+    responses={**PRINTED, **documented(404, 409, 413, 415, 422, 429, 503)},
 )
 async def post_printed_figure(request: Request, id: str, name: str, services: Use) -> Response:
     """Return the same for options in the body."""
@@ -49,7 +49,12 @@ async def _answer(request: Request, services: Services, id: str, name: str, sett
     def make(finished: Finished) -> Print:
         return prepare(finished, name, settings)
 
-    page, description, filename = await from_result(request, services, id, make)
+    return await printed_answer(request, services, await from_result(request, services, id, make), settings)
+
+
+async def printed_answer(request: Request, services: Services, ready: Print, settings: PrintSettings) -> Response:
+    """Return a figure as a file of its format, or its description."""
+    page, description, filename = ready
     headers = {"Cache-Control": "private, no-cache"}
     if settings.format == "json":
         return Response(description.model_dump_json(), 200, headers, MEDIA_TYPES["json"])
