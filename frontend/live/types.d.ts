@@ -53,6 +53,8 @@ export interface ObserverState extends service.ObserverNow {
   colour: string;
   /** Number of the colour. */
   place: number;
+  /** Its curves are dash-dotted: the colour is taken, or they coincide with an earlier observer's. */
+  dashed: boolean;
 }
 
 /** A fault of the spec. */
@@ -125,6 +127,8 @@ export interface State {
   facts: service.Facts | null;
   /** The facts as they were at the time that is looked back to; null: the present is shown. */
   past: service.Facts | null;
+  /** Labels of the observers whose curves coincide with those of an earlier one. */
+  twins: string[];
   /** Colour numbers by observer label, of removed observers too. */
   places: {[label: string]: number};
   /** The session that this one was forked from. */
@@ -175,7 +179,8 @@ export type OwnEvent =
     }
   | {type: 'failed'; problem: NonNullable<State['problem']>}
   | ({type: 'set'} & Partial<State>)
-  | {type: 'strip'; name: string; shown: boolean};
+  | {type: 'strip'; name: string; shown: boolean}
+  | {type: 'twins'; labels: string[]};
 
 export type StateEvent = ServerMessage | OwnEvent;
 
@@ -273,6 +278,8 @@ export interface Trace {
   /** `var(--o0)` … */
   colour: string;
   place: number;
+  /** Drawn dash-dotted. */
+  dashed: boolean;
   /** Time in s at which the observer diverged. */
   fallen: number | null;
   column: string;

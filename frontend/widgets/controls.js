@@ -56,10 +56,12 @@ export function badge([letters, whole], {square = false, lit = false} = {}) {
 }
 
 /**
- * The colour of an observer.
+ * The colour of an observer, as a stroke like its curve.
  * @param {string} colour
+ * @param {boolean} [dashed]
  */
-export const chip = (colour) => h('span', {class: 'chip', style: `--c:${colour}`});
+export const chip = (colour, dashed = false) =>
+  h('span', {class: dashed ? 'chip dashed' : 'chip', style: `--c:${colour}`});
 
 /**
  * A number with as many decimals as numbers of its scale need for four digits, so that it keeps its width while it

@@ -22,7 +22,7 @@ const strip = (more = {}) => ({
   title: '',
   unit: '',
   truth: null,
-  traces: [{label: 'o', colour: 'var(--o0)', place: 0, fallen: null, column: 'o.x.a'}],
+  traces: [{label: 'o', colour: 'var(--o0)', place: 0, dashed: false, fallen: null, column: 'o.x.a'}],
   base: null,
   least: 0,
   log: false,

@@ -22,7 +22,7 @@ const plant = (channels, states = 2, outputs = 1) =>
 /** @param {string} label @param {number} place */
 const observer = (label, place) =>
   /** @type {ObserverState} */ (
-    /** @type {unknown} */ ({label, place, colour: `var(--o${place})`, gains: {}, diverged: null})
+    /** @type {unknown} */ ({label, place, dashed: false, colour: `var(--o${place})`, gains: {}, diverged: null})
   );
 
 /** @param {Partial<State>} more @returns {State} */
@@ -46,7 +46,16 @@ test('an estimate is drawn with its band where the observer says how sure it is'
   const all = stripsOf(state({plant: plant(1), columns: COLUMNS, observers: [observer('o', 0), observer('p', 1)]}));
   const theta = all.find(({name}) => name === 'theta.a');
   assert.deepEqual(theta?.traces, [
-    {label: 'o', colour: 'var(--o0)', place: 0, fallen: null, column: 'o.theta.a', low: 'o.low.a', high: 'o.high.a'},
+    {
+      label: 'o',
+      colour: 'var(--o0)',
+      place: 0,
+      dashed: false,
+      fallen: null,
+      column: 'o.theta.a',
+      low: 'o.low.a',
+      high: 'o.high.a',
+    },
   ]);
   assert.deepEqual(
     all.map(({name}) => name),

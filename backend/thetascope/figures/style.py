@@ -39,7 +39,7 @@ THEMES = {
         "rgba(230,159,0,0.15)",
         "#b87900",
         "#c2410c",
-        ("#0072b2", "#d55e00", "#009e73", "#b0508f", "#3aa0dc", "#8a7a00"),
+        ("#0072b2", "#d55e00", "#009e73", "#b0508f", "#3aa0dc", "#8a7a00", "#5f6b76"),
     ),
     "dark": Theme(
         "#151a20",
@@ -50,7 +50,7 @@ THEMES = {
         "rgba(230,159,0,0.13)",
         "#e0a63a",
         "#fb7a3c",
-        ("#56b4e9", "#f08a4b", "#2fc08f", "#d98cbf", "#3f8fd0", "#e3d648"),
+        ("#56b4e9", "#f08a4b", "#2fc08f", "#d98cbf", "#3f8fd0", "#e3d648", "#a9b3bd"),
     ),
 }
 DASHES = {"solid": "solid", "dash": "5px,3px", "dot": "1.5px,3px"}
@@ -64,7 +64,7 @@ def theme_named(name: str) -> Theme:
 
 
 def observer_colour(theme: Theme, place: int) -> str:
-    """Return the colour of the observer at `place` (0, 1, …) in the spec; after the sixth the colours repeat."""
+    """Return the colour of the observer at `place` (0, 1, …) in the spec; after the seventh the colours repeat."""
     return theme.observers[place % len(theme.observers)]
 
 

@@ -3,7 +3,8 @@
 
 import {marks} from './axes.js';
 import {hatch} from './hatch.js';
-import {bandPath, PIECE, strokeTrace, WHOLE} from './traces.js';
+import {bandPath, DASHED_PIECE, PIECE, strokeTrace, WHOLE} from './traces.js';
+import {COLOURS, DASH_DOT} from '../../widgets/line-style.js';
 
 /** @import {DrawnStrip, Palette, Place, Range, Samples, Scale, View} from '../types.js' */
 
@@ -28,7 +29,7 @@ export function palette() {
     accent: read('--accent'),
     alarm: read('--alarm'),
     ok: read('--ok'),
-    observers: [0, 1, 2, 3, 4, 5].map((place) => read(`--o${place}`)),
+    observers: Array.from({length: COLOURS}, (_, place) => read(`--o${place}`)),
     number: `${10.5 * size}px ${read('--num')}`,
     size,
   };
@@ -195,8 +196,11 @@ function drawTraces(ctx, strip, {left, width, height}, view, range, colours, fai
   for (let i = strip.traces.length - 1; i >= 0; i -= 1) {
     // the first observer on top
     ctx.strokeStyle =
-      strip.log && strip.traces.length === 1 ? colours.ok : colours.observers[strip.traces[i].place % 6];
-    draw(strip.traces[i].column, faint ? WHOLE : PIECE); // where pieces of a faint curve meet it would be less so
+      strip.log && strip.traces.length === 1 ? colours.ok : colours.observers[strip.traces[i].place % COLOURS];
+    const {column, dashed} = strip.traces[i];
+    if (dashed) ctx.setLineDash(DASH_DOT.map((length) => length * colours.size));
+    draw(column, faint ? WHOLE : dashed ? DASHED_PIECE : PIECE); // where pieces of a faint curve meet it would be less so
+    if (dashed) ctx.setLineDash([]);
   }
   if (strip.reading) {
     ctx.strokeStyle = colours.soft;
@@ -235,7 +239,7 @@ function drawBands(ctx, strip, view, samples, geometry, colours) {
     const lower = samples.source(trace.low, geometry[2]);
     const upper = samples.source(trace.high, geometry[2]);
     if (!lower || !upper) continue;
-    ctx.fillStyle = colours.observers[trace.place % 6];
+    ctx.fillStyle = colours.observers[trace.place % COLOURS];
     ctx.globalAlpha = shown.length > FILLED ? 0.11 : 0.16;
     ctx.beginPath();
     bandPath(ctx, lower, upper, ...geometry);
@@ -291,7 +295,7 @@ function drawLeaving(ctx, strip, {left, right, height}, scale, colours) {
     const x = scale.x((from + to) / 2) + (trace - (strip.traces.length - 1) / 2) * 2 * arm;
     if (x < left || x > right) continue;
     const [tip, foot] = up ? [1, 1 + 1.5 * arm] : [height - 1, height - 1 - 1.5 * arm];
-    ctx.fillStyle = colours.observers[place % 6];
+    ctx.fillStyle = colours.observers[place % COLOURS];
     ctx.strokeStyle = colours.card;
     ctx.lineWidth = 1.5;
     ctx.beginPath();
@@ -358,7 +362,7 @@ function drawAlarms(ctx, strip, {left, right, height}, view, scale, colours) {
 function cross(ctx, x, colours, place) {
   const arm = 4 * colours.size;
   const y = 3 + arm;
-  ctx.strokeStyle = colours.observers[place % 6];
+  ctx.strokeStyle = colours.observers[place % COLOURS];
   ctx.lineWidth = 2 * colours.size;
   ctx.beginPath();
   ctx.moveTo(x - arm, y - arm);

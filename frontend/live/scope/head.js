@@ -133,7 +133,9 @@ function legendOf(app, scope) {
   );
   return [
     item(key('dash'), t('page.scope.truth')),
-    ...state.observers.map((observer) => nameOf(observer, banded, app, scope, key('solid', `--c:${observer.colour}`))),
+    ...state.observers.map((observer) =>
+      nameOf(observer, banded, app, scope, key(observer.dashed ? 'solid dashed' : 'solid', `--c:${observer.colour}`)),
+    ),
     banded.length > 0 && bandOf(banded, app, key),
     item(key('tinted'), t('page.scope.fault-active')),
     item(key('triangle'), t('page.scope.alarm')),

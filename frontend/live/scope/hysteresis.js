@@ -1,6 +1,7 @@
 // The hysteresis of a sandwich plant: the loop v over x, and every backlash operator as a slot that its input pushes
 // along.
 
+import {COLOURS} from '../../widgets/line-style.js';
 import {context, fill, h, symbol} from '../../common/dom.js';
 import {Range, marks, niceStep} from './axes.js';
 import {palette} from './canvas.js';
@@ -249,7 +250,7 @@ function drawLoop(picture, true_, own) {
     ctx.stroke();
     ctx.setLineDash([]);
   };
-  if (own && observer) curve(own, colours.observers[observer.place % 6], [], 1.4 * colours.size);
+  if (own && observer) curve(own, colours.observers[observer.place % COLOURS], [], 1.4 * colours.size);
   curve(true_, colours.ink, [5, 3], 1.2 * colours.size);
   const last = true_.x.length - 1;
   if (last >= 0) dot(ctx, px(true_.x[last]), py(true_.y[last]), 3.5 * colours.size, colours.ink);
@@ -328,7 +329,7 @@ function drawSlots({app, slotCtx: ctx, slots, found, colours, observer, x: range
     ctx.strokeStyle = colours.soft;
     ctx.lineWidth = 1;
     straight(ctx, px(z - left), y, px(z + right), y);
-    const accent = observer ? colours.observers[observer.place % 6] : colours.ink;
+    const accent = observer ? colours.observers[observer.place % COLOURS] : colours.ink;
     wall(ctx, px(z - left), y, tall, zone === -1 ? accent : colours.soft, zone === -1);
     wall(ctx, px(z + right), y, tall, zone === 1 ? accent : colours.soft, zone === 1);
     dot(ctx, px(x), y, 2.8 * colours.size, colours.ink);

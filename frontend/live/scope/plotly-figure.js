@@ -1,5 +1,6 @@
 // Figures of the strips with Plotly.js, which is loaded with the first of them. The live curves are drawn by canvas.js.
 
+import {COLOURS} from '../../widgets/line-style.js';
 import {h} from '../../common/dom.js';
 import {brief, plain, symbolic} from '../../common/names.js';
 import {palette} from './canvas.js';
@@ -251,7 +252,7 @@ function curvesOf(strip, axis, {samples, t0, t1, colours, listed, bands}) {
         legendgroup: name,
         showlegend,
         fill: 'tonexty',
-        fillcolor: `${colours.observers[trace.place % 6]}${banded > 2 ? '1c' : '2b'}`,
+        fillcolor: `${colours.observers[trace.place % COLOURS]}${banded > 2 ? '1c' : '2b'}`,
       },
     ];
   });
@@ -268,7 +269,11 @@ function curvesOf(strip, axis, {samples, t0, t1, colours, listed, bands}) {
   return [
     ...areas,
     ...strip.traces.map((trace) =>
-      curve(trace.column, trace.label, {color: colours.observers[trace.place % 6], width: 1.4}),
+      curve(trace.column, trace.label, {
+        color: colours.observers[trace.place % COLOURS],
+        width: 1.4,
+        ...(trace.dashed ? {dash: 'dashdot'} : {}),
+      }),
     ),
     ...(strip.reading ? [curve(strip.reading.column, strip.reading.label, {color: colours.soft, width: 1.2})] : []),
     ...(strip.truth ? [curve(strip.truth, truthOf(strip), {color: colours.ink, width: 1.2, dash: 'dash'})] : []),

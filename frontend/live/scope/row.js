@@ -1,10 +1,11 @@
 // The row of a strip: its label, canvas, values and buttons.
 
-import {context, fill, h, symbol} from '../../common/dom.js';
+import {childrenOf, context, fill, h, symbol} from '../../common/dom.js';
 import {badges, brief, plain, split, symbolic} from '../../common/names.js';
 import {Range} from './axes.js';
 import {openFigure} from './figure.js';
 import {explain} from '../../widgets/explain.js';
+import {truthOf} from './values.js';
 import {t} from '../../i18n/words.js';
 
 /** @import {App, Place, Plant, Row, Strip} from '../types.js' */
@@ -53,19 +54,36 @@ export function label(row, app) {
     h('span', {
       style: `--c:${strip.log && strip.traces.length === 1 ? 'var(--ok)' : trace.colour}`,
       'data-label': trace.label,
+      'data-name': trace.label,
     }),
-  );
-  row.values.style.setProperty(
-    '--lines',
-    String(Math.ceil((own.length + (strip.truth ? 1 : 0) + (strip.reading ? 1 : 0)) / 2)),
   );
   fill(
     row.values,
-    strip.truth && h('span', {class: 'truth'}),
-    strip.reading && h('span', {style: '--c:var(--soft)', 'data-label': strip.reading.label}),
+    strip.truth && h('span', {class: 'truth', 'data-name': truthOf(strip)}),
+    strip.reading &&
+      h('span', {style: '--c:var(--soft)', 'data-label': strip.reading.label, 'data-name': strip.reading.label}),
     own,
     strip.log && own.length === 1 && h('span', {class: 'judged', style: '--c:var(--ok)', 'data-label': ''}),
   );
+}
+
+/**
+ * Leave out the last of a row's values where not all have room; pointing at the others shows all of them.
+ * @param {Row} row
+ * @param {number} lines   that have room
+ */
+export function shorten({values}, lines) {
+  const cells = childrenOf(values).filter((cell) => !cell.classList.contains('more-values'));
+  const shown = cells.length <= Math.max(1, lines) ? cells.length : Math.max(1, lines - 1);
+  cells.forEach((cell, place) => cell.classList.toggle('over', place >= shown));
+  const left = cells.length - shown;
+  let more = values.querySelector('.more-values');
+  if (left === 0) more?.remove();
+  else {
+    if (!more) values.append((more = h('span', {class: 'more-values'})));
+    more.textContent = t('page.scope.more-values', {n: left});
+  }
+  values.classList.toggle('short', left > 0);
 }
 
 /** @param {Row} row */

@@ -5,7 +5,8 @@ import {niceStep} from './axes.js';
 import {drawStrip, palette} from './canvas.js';
 import {mountHead} from './head.js';
 import {mountPointer} from './pointer.js';
-import {createRow, fit, label, labelAll} from './row.js';
+import {createRow, fit, label, labelAll, shorten} from './row.js';
+import {coincident} from './twins.js';
 import {showValues} from './values.js';
 import {unresolved} from '../../diagnosis/fault-size.js';
 import {leaving, setTicks, wanted} from './axis-view.js';
@@ -15,6 +16,7 @@ import {say, t} from '../../i18n/words.js';
 
 /** @import {App, Place, Row, Strip} from '../types.js' */
 
+const COMPARED = 1000; // ms between two looks for curves that coincide
 const AIM = 300; // ms between fits of the axes
 const GUTTER = 52; // px for the marks of the vertical axis
 const LINE = 14.3; // px of one number beside a strip
@@ -69,7 +71,10 @@ export function mountScope(root, app) {
     () => app.wake(),
   ); // the numbers follow while time is paused, too
   app.onFrame((now) => scope.draw(now));
-  app.onTick(() => scope.showValues());
+  app.onTick(() => {
+    scope.showValues();
+    scope.findTwins();
+  });
   return scope;
 }
 
@@ -83,6 +88,7 @@ export class Scope {
     this.strips = [];
     this.colours = palette();
     this.aimed = 0;
+    this.compared = 0;
     this.seen = ''; // the rows and times that the axes were last fitted to
     this.atOnce = true;
     this.still = ''; // the rows and times that are drawn
@@ -160,14 +166,24 @@ export class Scope {
     this.app.wake();
   }
 
+  /** Draw observers dash-dotted whose curves coincide with an earlier one's. */
+  findTwins() {
+    const {state, samples} = this.app;
+    const now = performance.now();
+    if (now - this.compared < COMPARED) return;
+    this.compared = now;
+    const rows = [...this.rows.values()].map(({strip, range, place}) => ({strip, range, height: place.height}));
+    const labels = state.observers.map(({label}) => label);
+    const twins = coincident(rows, labels, samples, this.span(), state.twins);
+    if (twins.join('\n') !== state.twins.join('\n')) this.app.store.dispatch({type: 'twins', labels: twins});
+  }
+
   /** Fit the canvases to their places. */
   measure() {
     this.measured = true;
     const ratio = Math.min(3, devicePixelRatio || 1);
-    const crowded = [...this.rows.values()].some(
-      ({element, values}) => values.childElementCount * LINE * this.colours.size > element.clientHeight,
-    );
-    this.list.classList.toggle('many', crowded); // numbers in two columns; the heights stay
+    for (const row of this.rows.values())
+      shorten(row, Math.floor(row.element.clientHeight / (LINE * this.colours.size)));
     for (const row of this.rows.values()) fit(row, row.canvas, ratio, GUTTER * this.colours.size);
     const [first] = this.rows.values();
     if (first) {

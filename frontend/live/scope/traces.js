@@ -6,6 +6,7 @@
 // 17 ms without a graphics card, in pieces 1 ms. Pieces share their end points and are opaque, so nobody sees where
 // they meet. They begin at rows of their own, not at the edge of the window: a curve that scrolls does not shimmer.
 export const PIECE = 7; // this number of bins and one more (twice as many rows where each is a point) are a piece
+export const DASHED_PIECE = 63; // dashes begin anew in each piece
 export const WHOLE = -1;
 
 /**

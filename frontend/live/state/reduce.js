@@ -2,6 +2,7 @@
 // and the page's own.
 
 import {stateOf} from '../../diagnosis/findings.js';
+import {colourOf, repeats} from '../../widgets/line-style.js';
 
 /** @import {Ack, Experiment, Jump, ObserverState, OwnEvent, ServerMessage, State, StateEvent} from '../types.js' */
 /** @import * as service from '../../types/service.js' */
@@ -14,7 +15,6 @@ import {stateOf} from '../../diagnosis/findings.js';
  * @typedef {{[K in E['type']]: (state: State, event: Extract<E, {type: K}>) => State}} Changes
  */
 
-const COLOURS = 6; // --o0 … --o5
 const MOST_EVENTS = 5000;
 
 /**
@@ -23,15 +23,16 @@ const MOST_EVENTS = 5000;
  * @param {service.ObserverNow[]} running
  * @param {ObserverState[]} before
  * @param {State['places']} places
+ * @param {readonly string[]} twins   labels whose curves coincide with others
  * @returns {ObserverState[]}
  */
-export function coloured(running, before = [], places = {}) {
+export function coloured(running, before = [], places = {}, twins = []) {
   const labels = new Set(running.map(({label}) => label));
   const taken = new Map(before.filter(({label}) => labels.has(label)).map(({label, place}) => [label, place]));
   return running.map((observer) => {
     const place = taken.get(observer.label) ?? free(new Set(taken.values()), places[observer.label]);
     taken.set(observer.label, place);
-    return {...observer, colour: `var(--o${place % COLOURS})`, place};
+    return {...observer, colour: colourOf(place), place, dashed: repeats(place) || twins.includes(observer.label)};
   });
 }
 
@@ -64,7 +65,7 @@ const steady = (before, now) => (before !== undefined && JSON.stringify(before) 
  */
 function withFacts(state, newer) {
   const {facts, faults, alarms, noise, broken} = stateOf(newer);
-  const observers = steady(state.observers, coloured(newer.observers, state.observers, state.places));
+  const observers = steady(state.observers, coloured(newer.observers, state.observers, state.places, state.twins));
   return {
     ...state,
     facts,
@@ -173,6 +174,7 @@ const own = {
     broken: null,
     facts: null,
     past: null,
+    twins: [],
     faults: [],
     alarms: [],
     log: [],
@@ -191,6 +193,11 @@ const own = {
   }),
   failed: (state, {problem}) => ({...state, connection: 'failed', problem}),
   set: (state, {type: _, ...values}) => ({...state, ...values}),
+  twins: (state, {labels}) => ({
+    ...state,
+    twins: labels,
+    observers: coloured(state.observers, state.observers, state.places, labels),
+  }),
   strip: (state, {name, shown}) => ({...state, strips: {...state.strips, [name]: shown}}),
 };
 

@@ -33,6 +33,7 @@ export const initial = Object.freeze({
   broken: null,
   facts: null,
   past: null,
+  twins: [],
   places: {},
   parent: null,
   origin: null,

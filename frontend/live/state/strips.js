@@ -60,6 +60,7 @@ export function stripsOf({plant, columns, observers, faults, checks, strips: cho
         label: observer.label,
         colour: observer.colour,
         place: observer.place,
+        dashed: observer.dashed,
         fallen: observer.diverged?.t ?? null,
         ...make(observer),
       }))

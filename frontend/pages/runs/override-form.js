@@ -5,6 +5,8 @@ import {asTyped, value} from './address.js';
 import {fill, h, symbol} from '../../common/dom.js';
 import {original, formField} from './run-state.js';
 import {explained} from '../../common/problem.js';
+import {chip} from '../../widgets/controls.js';
+import {colourOf, repeats} from '../../widgets/line-style.js';
 import {truthDetails} from './truth-fields.js';
 import {t} from '../../i18n/words.js';
 
@@ -104,7 +106,7 @@ export function createForm(store, act) {
         h(
           'fieldset',
           {},
-          h('legend', {}, h('span', {class: 'chip', style: `--c:var(--o${place % 6})`}), observer.label),
+          h('legend', {}, chip(colourOf(place), repeats(place)), observer.label),
           names.map((name) =>
             field(
               `observers.${observer.label}.gains.${name}`,

@@ -2,6 +2,8 @@
 
 import {fill, h, number, symbol} from '../../common/dom.js';
 import {downloads} from './downloads.js';
+import {chip as coloured} from '../../widgets/controls.js';
+import {colourOf, repeats} from '../../widgets/line-style.js';
 import {VERDICTS, verdictWords} from '../../widgets/verdicts.js';
 import {say, t} from '../../i18n/words.js';
 
@@ -10,7 +12,7 @@ import {say, t} from '../../i18n/words.js';
 /** @import * as service from '../../types/service.js' */
 
 /** @param {number} place */
-const chip = (place) => h('span', {class: 'chip', style: `--c:var(--o${place % 6})`});
+const chip = (place) => coloured(colourOf(place), repeats(place));
 /** @param {Child} title @param {...Child} body */
 const card = (title, ...body) => h('section', {class: 'card'}, h('h2', {}, title), ...body);
 

@@ -6,7 +6,8 @@ import {fill, h, number} from '../../common/dom.js';
 import {alarmFrom} from '../../diagnosis/alarms.js';
 import {line, summarySentence} from '../../diagnosis/finding-line.js';
 import {findings, stateOf} from '../../diagnosis/findings.js';
-import {took} from '../../widgets/controls.js';
+import {chip as coloured, took} from '../../widgets/controls.js';
+import {colourOf, repeats} from '../../widgets/line-style.js';
 import {trajectory, visible} from '../../diagnosis/detectability.js';
 import {amount} from '../../diagnosis/fault-size.js';
 import {certainty} from '../../diagnosis/confidence.js';
@@ -22,7 +23,7 @@ import {asSentence, say, t} from '../../i18n/words.js';
 /** @typedef {'found' | 'missed' | 'false_alarms' | 'isolation_errors' | 'delay' | 'cost'} Measure */
 
 /** @param {number} place */
-const chip = (place) => h('span', {class: 'chip', style: `--c:var(--o${place % 6})`});
+const chip = (place) => coloured(colourOf(place), repeats(place));
 
 /** @param {HTMLElement} root @param {RunStore} store */
 export function mountVerdicts(root, store) {

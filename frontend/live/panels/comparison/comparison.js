@@ -140,7 +140,7 @@ export function mount(element, app) {
   const group = (observers, session) => {
     const [, theta] = chosen();
     const cell = () => h('td');
-    const observerRows = observers.map(({label, colour, kind}) => {
+    const observerRows = observers.map(({label, colour, dashed, kind}) => {
       const cells = theta ? [cell(), cell(), cell()] : [cell()];
       rows.push({cells, session, of: (answer) => figuresOf(answer, label, span()[1], app.state.record)});
       return h(
@@ -149,7 +149,7 @@ export function mount(element, app) {
         h(
           'th',
           {scope: 'row', title: `${label}, ${kindName({id: kind, title: kind})}`},
-          h('span', {class: 'who'}, chip(colour), h('span', {}, label)),
+          h('span', {class: 'who'}, chip(colour, dashed), h('span', {}, label)),
         ),
         cells,
       );

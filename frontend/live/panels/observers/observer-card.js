@@ -93,6 +93,7 @@ export function createCard(app, observer, kind) {
     },
     h('b', {}, observer.label),
   );
+  const colour = chip(observer.colour, observer.dashed);
   const body = h('div', {class: 'tuning'}, gains, fold);
   let chosen = false; // opened or closed by hand
   let listed = false; // the checks
@@ -108,7 +109,7 @@ export function createCard(app, observer, kind) {
     h(
       'div',
       {class: 'observer-head'},
-      chip(observer.colour),
+      colour,
       unfold,
       h('span', {class: 'kind soft', title: `${named(kind.title)}. ${kind.source}`}, kindName(kind)),
       lights,
@@ -171,6 +172,7 @@ export function createCard(app, observer, kind) {
     label: observer.label,
     update(next) {
       present = next ?? present;
+      colour.classList.toggle('dashed', present.dashed);
       fill(fallen, present.diverged && fall(app, present));
       fallen.hidden = !present.diverged;
       show();

@@ -4,14 +4,10 @@
 import {h, symbol} from '../../../common/dom.js';
 import {brief} from '../../../common/names.js';
 import {named, t} from '../../../i18n/words.js';
+import {colourOf, repeats} from '../../../widgets/line-style.js';
 import {WIDE} from '../numbers.js';
 
 /** @import {Columns, Plant, Preview, RecordRun, Strip, StripCurve} from '../types.js' */
-
-const COLOURS = 6;
-
-/** Colour of an observer by its place. @param {number} place */
-export const colourOf = (place) => `var(--o${place % COLOURS})`;
 
 /**
  * The observers of all shown runs, in the order of their colours; those of compared runs are dashed.
@@ -23,7 +19,7 @@ export const shownObservers = (runs) =>
     .flatMap(({columns, labels, id}, place) =>
       labels.map((label) => ({run: id, label, columns, title: place === 0 ? label : `${label} (${id.slice(0, 6)})`})),
     )
-    .map((one, place) => ({...one, colour: colourOf(place), dashed: place >= COLOURS}));
+    .map((one, place) => ({...one, colour: colourOf(place), dashed: repeats(place)}));
 
 /** @typedef {ReturnType<typeof shownObservers>[number]} ShownObserver */
 

@@ -5,7 +5,8 @@ import {t} from '../../../i18n/words.js';
 import {chip, heading} from '../../../widgets/controls.js';
 import {kindName} from '../../../widgets/kind-name.js';
 import {WIDE} from '../numbers.js';
-import {colourOf, shownObservers} from './observer-strips.js';
+import {colourOf, repeats} from '../../../widgets/line-style.js';
+import {shownObservers} from './observer-strips.js';
 
 /** @import {Columns, Plant, RecordActions, RecordState} from '../types.js' */
 
@@ -43,7 +44,7 @@ export function observersCard(state, act) {
         return h(
           'li',
           {},
-          chip(colourOf(place)),
+          chip(colourOf(place), repeats(place)),
           h('span', {}, known ? kindName(known) : kind),
           h(
             'button',

@@ -3,6 +3,7 @@
 import {fill, h} from '../../../common/dom.js';
 import {focusWhenScrolling} from '../../../common/scroll-focus.js';
 import {drawPlant} from '../../../live/panels/plant/plant.js';
+import {colourOf} from '../../../widgets/line-style.js';
 import {mathml} from '../../../widgets/equations.js';
 import {named, t} from '../../../i18n/words.js';
 import {chosenKinds, errorsOf} from '../store.js';
@@ -15,7 +16,6 @@ import {mountParameters} from './parameters.js';
 /** @import {Editor, ShopActions, ShopState, ShopStore} from '../types.js' */
 
 const USEFUL = 0.5; // error in faults of usual size above which no observer is recommended
-const COLOURS = ['--o0', '--o1', '--o2', '--o3', '--o4', '--o5'];
 
 /**
  * @param {HTMLElement} root
@@ -91,7 +91,7 @@ function picture(plant, state, editor) {
   const observers = chosenKinds(state).map((kind, place) => ({
     kind,
     label: kind,
-    colour: `var(${COLOURS[place % COLOURS.length]})`,
+    colour: colourOf(place),
   }));
   const select = (/** @type {string | null} */ subject) => {
     if (!subject) return;
