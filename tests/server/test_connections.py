@@ -23,8 +23,14 @@ HEAD = b"POST / HTTP/1.1\r\nHost: a\r\nContent-Length: 1000\r\n\r\n"
 
 async def application(scope, receive, send) -> None:
     """Read the body of a request, and answer with many bytes where the address is /much."""
+    if scope["path"] == "/refused":
+        await send({"type": "http.response.start", "status": 413, "headers": [(b"connection", b"close")]})
+        await send({"type": "http.response.body", "body": b"too large"})
+        return
     while (await receive()).get("more_body"):
         pass
+    if scope["path"] == "/wait":
+        await receive()
     await send({"type": "http.response.start", "status": 200, "headers": []})
     await send({"type": "http.response.body", "body": ANSWER if scope["path"] == "/much" else b"yes"})
 
@@ -47,6 +53,11 @@ class Service:
         made = socket.create_connection(("127.0.0.1", self.port), timeout=60)
         made.sendall(data)
         return made
+
+    @property
+    def waiting(self) -> int:
+        """How many requests are being answered."""
+        return len(self._server.server_state.tasks)
 
     def close(self) -> None:
         self._server.should_exit = True
@@ -127,10 +138,8 @@ def test_a_client_that_does_not_read_its_answer_is_cut_off(start):
 def test_too_many_connections_are_refused_and_those_that_are_open_go_on(start, caplog):
     """503 for those beyond the limit, in one line of the log for all; when some have left, others may come."""
     service = start(limit=5)
-    held = [service.connect() for _ in range(5)]
-    for one in held:
-        one.sendall(b"GET / HTTP/1.1\r\nHost: a\r\n\r\n")
-        assert one.recv(1000).startswith(b"HTTP/1.1 200")
+    held = [service.connect(b"GET /wait HTTP/1.1\r\nHost: a\r\n\r\n") for _ in range(5)]
+    _until(lambda: service.waiting == 5)
     with caplog.at_level(logging.WARNING):
         for _ in range(20):
             refused = service.connect()
@@ -143,6 +152,42 @@ def test_too_many_connections_are_refused_and_those_that_are_open_go_on(start, c
         return service.connect(b"GET / HTTP/1.1\r\nHost: a\r\n\r\n").recv(1000).startswith(b"HTTP/1.1 200")
 
     _until(answered)
+
+
+@pytest.mark.parametrize("sent", [b"", b"GET / HTTP/1.1\r\nHost:", HEAD], ids=["nothing", "half a head", "no body"])
+def test_connections_that_wait_for_their_client_give_way(start, sent: bytes, monkeypatch):
+    """A thousand of them, opened again and again, keep nobody out; whoever waits for an answer gets it."""
+    monkeypatch.setattr(connections, "_PATIENCE", 0.0)
+    service = start(limit=50)
+    busy = service.connect(b"GET /wait HTTP/1.1\r\nHost: a\r\n\r\n")
+    _until(lambda: service.waiting == 1)
+    held = []
+    for _ in range(6):
+        held += [service.connect(sent) for _ in range(49)]
+        one = service.connect(b"GET / HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n")
+        assert one.recv(1000).startswith(b"HTTP/1.1 200")
+    busy.setblocking(False)
+    with pytest.raises(BlockingIOError):  # neither an answer nor its end
+        busy.recv(1)
+    for one in (busy, *held):
+        one.close()
+
+
+def test_a_client_reads_why_its_body_was_refused(start):
+    """It sends all of it before it reads, as most do, and is not cut off meanwhile; without end it is."""
+    service = start(limit=5, rest_seconds=0.5)
+    one = service.connect(b"POST /refused HTTP/1.1\r\nHost: a\r\nContent-Length: 20000000\r\n\r\n")
+    for _ in range(200):
+        one.sendall(b"x" * 100_000)
+    answer = b""
+    while part := one.recv(1000):
+        answer += part
+    assert answer.startswith(b"HTTP/1.1 413") and b"too large" in answer
+    endless = service.connect(b"POST /refused HTTP/1.1\r\nHost: a\r\nContent-Length: 20000000\r\n\r\n")
+    with pytest.raises((ConnectionError, BrokenPipeError)):
+        for _ in range(400):
+            time.sleep(0.05)
+            endless.sendall(b"x")
 
 
 def test_equal_trouble_is_one_line_in_ten_seconds(caplog):
