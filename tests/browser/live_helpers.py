@@ -1,6 +1,7 @@
 """Helpers for tests of pages: wait until the page shows something, read the state of a live session, send commands."""
 
 import time
+from collections.abc import Callable
 
 from playwright.sync_api import Error
 
@@ -50,6 +51,14 @@ def until(page, expression: str, seconds: float = 180.0):
         if value:
             return value
     raise AssertionError(f"it never came true: {expression}\non the page: {page.evaluate(SITUATION)}")
+
+
+def eventually(condition: Callable[[], object], words: str, seconds: float = 60.0) -> None:
+    """Repeat what a person does until the condition holds, say a hover over a page whose layout still moves."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, f"it never came true: {words}"
+        time.sleep(0.03)
 
 
 #: The session is live, and the panels are filled.

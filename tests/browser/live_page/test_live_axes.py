@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from tests.browser.live_helpers import APP, ready, rested, state, until
+from tests.browser.live_helpers import APP, eventually, ready, rested, state, until
 
 PAUSED = "/?experiment=zhao-2012&t=30"
 FOUR = "/?experiment=zhao-2012-observers&t=30"
@@ -135,15 +135,19 @@ def test_marks_are_explained(tab):
     opened = settled(tab, PAUSED)
     t = opened.evaluate(f"{APP}.state.alarms[0].t")
     canvas = opened.locator('[data-strip="theta.theta3"] canvas')
-    box = canvas.bounding_box()
-    left, width = opened.evaluate(f"[{APP}.scope.place.left, {APP}.scope.place.width]")
-    opened.mouse.move(box["x"] + left + width * t / 30, box["y"] + 5)
-    assert "an alarm that names this channel" in canvas.get_attribute("title")
-    opened.mouse.move(box["x"] + left + width * 0.5, box["y"] + 40)
-    assert canvas.get_attribute("title") == ""
+
+    def explained(share: float, down: float) -> str | None:
+        """Point at a share of the strip's width anew, since the layout may still move; return the explanation."""
+        box = canvas.bounding_box()
+        left, width = opened.evaluate(f"[{APP}.scope.place.left, {APP}.scope.place.width]")
+        opened.mouse.move(box["x"] + left + width * share, box["y"] + down)
+        return canvas.get_attribute("title")
+
+    eventually(lambda: "an alarm that names this channel" in (explained(t / 30, 5) or ""), "the mark is explained")
+    eventually(lambda: explained(0.5, 40) == "", "the explanation goes")
     rail = opened.locator(".rail").bounding_box()
     opened.mouse.move(rail["x"] + rail["width"] * t / 100, rail["y"] + 10)
-    assert "alarm: θ₃" in opened.get_attribute(".rail", "title")
+    eventually(lambda: "alarm: θ₃" in (opened.get_attribute(".rail", "title") or ""), "the alarm is explained")
     for language, words in (("en", "the interval"), ("zh", "区间")):
         opened.evaluate(f"{APP}.act.language('{language}')")
         opened.keyboard.press("?")
