@@ -9,13 +9,14 @@ from thetascope.engine.compiler.cache import digest_of
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
 from thetascope_schemas import Experiment, Plant, ResolvedExperiment
-from thetascope_schemas.service.lesson import Lesson
+from thetascope_schemas.service.learning.course import CourseLesson
+from thetascope_schemas.service.learning.questions import Lesson
 from thetascope_schemas.texts.refusal import suggestion
 
 _HERE = Path(__file__).parent
 _FIRST = ("zhao-2012", "shen-hu-2015", "reduced-order-mimo", "zhou-tan-2012", "dc-motor", "dts200", "quadruple-tank")
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-_SCHEMAS = {"plants": Plant, "experiments": Experiment, "lessons": Lesson}
+_SCHEMAS = {"plants": Plant, "experiments": Experiment, "lessons": Lesson, "course": CourseLesson}
 
 
 @lru_cache(maxsize=len(_SCHEMAS))
@@ -50,6 +51,12 @@ def experiments() -> dict[str, Experiment]:
 def lessons() -> dict[str, Lesson]:
     """Return the lessons by the id of their experiment."""
     return {name: _read("lessons", name) for name in _names("lessons")}
+
+
+@lru_cache(maxsize=1)
+def course() -> dict[str, CourseLesson]:
+    """Return the lessons of the course by id."""
+    return {name: _read("course", name) for name in _names("course")}
 
 
 @lru_cache(maxsize=1)

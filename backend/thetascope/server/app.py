@@ -25,7 +25,6 @@ from thetascope.api.operation.metrics import Metrics
 from thetascope.api.operation.request_log import RequestLog
 from thetascope.api.routes import (
     catalogue,
-    lessons,
     messages,
     my_plants,
     plants,
@@ -36,6 +35,7 @@ from thetascope.api.routes import (
     sessions,
 )
 from thetascope.api.routes.figures import printed_figures
+from thetascope.api.routes.learning import course, questions
 from thetascope.api.routes.models import equations, gain_defaults, plant_trial
 from thetascope.api.routes.notebook import run_comparison, run_lines
 from thetascope.api.sign_in.require_key import RequireKey
@@ -115,7 +115,8 @@ def _api() -> APIRouter:
         plant_trial,
         equations,
         gain_defaults,
-        lessons,
+        questions,
+        course,
         messages,
         my_plants,
         record_files,

@@ -10,7 +10,7 @@ from pydantic import Field, JsonValue
 
 from thetascope_schemas.experiment.base import Number, Strict
 from thetascope_schemas.experiment.experiment import Experiment
-from thetascope_schemas.service.lesson import Words
+from thetascope_schemas.service.learning.questions import Words
 
 TimeKind = Literal["continuous", "discrete"]
 
@@ -357,3 +357,20 @@ class LessonList(Strict):
     """All lessons."""
 
     lessons: tuple[LessonPlan, ...]
+
+
+class CourseLine(Strict):
+    """A lesson of the course without its steps."""
+
+    id: str
+    number: int
+    minutes: int
+    title: Words
+    outcome: Words
+    steps: int
+
+
+class CourseList(Strict):
+    """The lessons of the course in their order."""
+
+    lessons: tuple[CourseLine, ...]

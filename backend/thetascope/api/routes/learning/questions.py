@@ -11,7 +11,7 @@ from thetascope.api.http.problems import documented
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import Unknown
 from thetascope_schemas.service.answers import LessonList, LessonPlan
-from thetascope_schemas.service.lesson import Lesson
+from thetascope_schemas.service.learning.questions import Lesson
 
 router = APIRouter(tags=["lessons"])
 

@@ -1,0 +1,141 @@
+"""Numbers that a step of a lesson measures in a session: times to settle, levels, delays of the detector."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from thetascope_schemas.experiment.diagnosis import Alarm
+from thetascope_schemas.service.learning.course import CourseStep
+from thetascope_schemas.service.learning.judged import Judged
+from thetascope_schemas.service.learning.measures import (
+    Condition,
+    Crosses,
+    Diverged,
+    Found,
+    GainNow,
+    Level,
+    Measure,
+    Settles,
+)
+
+_SLACK = 1e-6
+"""Seconds by which times of rows may miss a time in decimals."""
+
+
+@dataclass(frozen=True)
+class Readings:
+    """A session between the mark of a step and its end.
+
+    Args:
+        t: times of the rows in s, increasing.
+        column: returns a column of the rows by name, of the shape of t.
+        mark: time in s at which the step was started; times of measures count from it.
+        alarms: of the detector, with the times at which they were raised.
+        diverged: time in s of each observer that has diverged, by label.
+        gains: the present gains by label and name.
+    """
+
+    t: np.ndarray
+    column: Callable[[str], np.ndarray]
+    mark: float
+    alarms: Sequence[Alarm] = ()
+    diverged: Mapping[str, float] = field(default_factory=dict)
+    gains: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
+
+    def rows(self, start: float, end: float | None) -> slice:
+        """Return the rows from `start` to `end`, in s after the mark."""
+        first = int(np.searchsorted(self.t, self.mark + start - _SLACK))
+        last = self.t.size if end is None else int(np.searchsorted(self.t, self.mark + end + _SLACK))
+        return slice(first, max(first, last))
+
+
+def columns_of(step: CourseStep) -> tuple[str, ...]:
+    """Return the columns that the measures of a step read."""
+    names: dict[str, None] = {}
+    for measure in step.measures.values():
+        for attribute in ("column", "to", "minus"):
+            if isinstance(name := getattr(measure, attribute, None), str):
+                names[name] = None
+    return tuple(names)
+
+
+def measured(step: CourseStep, readings: Readings) -> dict[str, float | None]:
+    """Return the number of every measure of a step, None where there is none."""
+    return {name: _value(measure, readings) for name, measure in step.measures.items()}
+
+
+def judge(step: CourseStep, readings: Readings) -> Judged:
+    """Return what readings of a session show about a step."""
+    values = measured(step, readings)
+    return Judged(
+        values=values,
+        right=tuple(holds(answer.right_if, values) for answer in step.answers),
+        met=holds(step.right_if, values),
+        saw=next((place for place, saw in enumerate(step.saw) if holds(saw.when, values)), None),
+    )
+
+
+def holds(conditions: Sequence[Condition], values: Mapping[str, float | None]) -> bool:
+    """Return whether all conditions hold for the measured numbers."""
+    return all(condition.holds(values[condition.measure]) for condition in conditions)
+
+
+def _value(measure: Measure, readings: Readings) -> float | None:
+    match measure:
+        case Settles():
+            value = _settling(measure, readings)
+        case Level():
+            value = _level(measure, readings)
+        case Crosses():
+            value = _crossing(measure, readings)
+        case Found():
+            value = _delay(measure, readings)
+        case Diverged():
+            value = readings.diverged.get(measure.observer)
+            value = None if value is None else value - readings.mark
+        case GainNow():
+            gain = readings.gains.get(measure.observer, {}).get(measure.gain)
+            value = float(gain) if isinstance(gain, int | float) else None
+    return None if value is None or not math.isfinite(value) else value
+
+
+def _settling(measure: Settles, readings: Readings) -> float | None:
+    rows = readings.rows(measure.since, None)
+    to = readings.column(measure.to)[rows] if isinstance(measure.to, str) else measure.to
+    outside = ~(np.abs(readings.column(measure.column)[rows] - to) <= measure.within)
+    if not outside.size or outside[-1]:
+        return None
+    first = int(np.flatnonzero(outside)[-1]) + 1 if outside.any() else 0
+    return float(readings.t[rows][first] - readings.mark - measure.since)
+
+
+def _level(measure: Level, readings: Readings) -> float | None:
+    rows = readings.rows(measure.start, measure.end)
+    values = readings.column(measure.column)[rows]
+    if measure.minus is not None:
+        values = values - readings.column(measure.minus)[rows]
+    if not values.size:
+        return None
+    take = {"mean": np.mean, "std": np.std, "max": np.max, "min": np.min, "last": lambda all: all[-1]}
+    return float(take[measure.take](values))
+
+
+def _crossing(measure: Crosses, readings: Readings) -> float | None:
+    rows = readings.rows(measure.since, None)
+    values = readings.column(measure.column)[rows]
+    beyond = values > measure.level if measure.side == "above" else values < measure.level
+    if not beyond.any():
+        return None
+    return float(readings.t[rows][int(np.argmax(beyond))] - readings.mark - measure.since)
+
+
+def _delay(measure: Found, readings: Readings) -> float | None:
+    since = readings.mark + measure.since
+    times = [
+        alarm.t
+        for alarm in readings.alarms
+        if not alarm.observer and alarm.t >= since and measure.channel in (None, alarm.channel)
+    ]
+    return min(times) - since if times else None

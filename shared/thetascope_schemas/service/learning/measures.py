@@ -1,0 +1,100 @@
+"""What a step of a lesson measures in the student's session, and conditions on the measured numbers.
+
+Times are in s after the step's mark: the time of the session at which the student started the step.
+"""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from thetascope_schemas.experiment.base import Number, Positive, Reference, Strict, example
+from thetascope_schemas.texts.refusal import refuse
+
+ColumnName = Annotated[str, Field(min_length=1, max_length=120, description="A column of the session, say y.y1.")]
+After = Annotated[float, Field(strict=True, allow_inf_nan=False, description="Time in s after the mark.")]
+
+
+class Settles(Strict):
+    """The time in s after `since` from which |column − to| stays within a tolerance; none where it does not."""
+
+    model_config = example(kind="settles", column="copy.x.h1", to="x.h1", within=1.0)
+    kind: Literal["settles"] = "settles"
+    column: ColumnName
+    to: ColumnName | Number = Field(description="Another column, or a number.")
+    within: Positive = Field(description="The tolerance, in the column's unit.")
+    since: After = 0
+
+
+class Level(Strict):
+    """The mean, standard deviation, greatest, least or last value of a column, or of the difference of two."""
+
+    model_config = example(kind="level", take="std", column="y.y", minus="fast.y.y", start=10.0, end=30.0)
+    kind: Literal["level"] = "level"
+    take: Literal["mean", "std", "max", "min", "last"]
+    column: ColumnName
+    minus: ColumnName | None = None
+    start: After = 0
+    end: After | None = Field(default=None, description="None: until the end of the step.")
+
+
+class Crosses(Strict):
+    """The time in s after `since` at which a column first comes to lie above or below a level; none where it never does."""
+
+    model_config = example(kind="crosses", column="slow.theta.leak", side="above", level=0.5, since=10.0)
+    kind: Literal["crosses"] = "crosses"
+    column: ColumnName
+    side: Literal["above", "below"]
+    level: Number
+    since: After = 0
+
+
+class Found(Strict):
+    """The time in s from `since` to the first alarm of the detector that names a channel; none where there is none."""
+
+    model_config = example(kind="found", channel="leak", since=10.0)
+    kind: Literal["found"] = "found"
+    channel: Reference | None = Field(default=None, description="None: any channel.")
+    since: After = 0
+
+
+class Diverged(Strict):
+    """The time in s after the mark at which an observer diverged; none where it did not."""
+
+    model_config = example(kind="diverged", observer="forgetful")
+    kind: Literal["diverged"] = "diverged"
+    observer: Reference
+
+
+class GainNow(Strict):
+    """The present value of a gain that is one number."""
+
+    model_config = example(kind="gain", observer="copy", gain="rho")
+    kind: Literal["gain"] = "gain"
+    observer: Reference
+    gain: Reference
+
+
+Measure = Annotated[Settles | Level | Crosses | Found | Diverged | GainNow, Field(discriminator="kind")]
+
+
+class Condition(Strict):
+    """A condition on one measured number: at least, at most, or that there is none."""
+
+    model_config = example(measure="settled", at_most=30.0)
+
+    measure: Reference
+    at_least: Number | None = None
+    at_most: Number | None = None
+    none: bool = Field(default=False, strict=True, description="True where there must be no such number.")
+
+    @model_validator(mode="after")
+    def _says_something(self) -> Self:
+        if self.none == (self.at_least is not None or self.at_most is not None):
+            raise refuse("course.condition.empty", field="measure", value=self.measure)
+        return self
+
+    def holds(self, value: float | None) -> bool:
+        """Return whether a measured number, None where there is none, meets the condition."""
+        if value is None or self.none:
+            return value is None and self.none
+        return (self.at_least is None or value >= self.at_least) and (self.at_most is None or value <= self.at_most)
