@@ -7,6 +7,7 @@ import {language, speak, t} from '../i18n/words.js';
 const ICON = 'M8 2.500a5.500 5.500 0 0 1 0 11z';
 
 const PAGES = [
+  ['learn', '/learn/'],
   ['live', '/'],
   ['workshop', '/workshop/'],
   ['records', '/records/'],

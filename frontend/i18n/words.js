@@ -55,12 +55,13 @@ export function say(message) {
 
 /**
  * Prose of a plant or an experiment in the page's language: a text, or a map from language to text.
- * @param {string | {[language: string]: string} | null | undefined} prose
+ * @param {string | {[language: string]: string} | {en: string; zh: string} | null | undefined} prose
  * @returns {string}
  */
 export function named(prose) {
-  if (prose && typeof prose === 'object') return prose[language()] ?? prose.en ?? Object.values(prose)[0] ?? '';
-  return prose ?? '';
+  if (!prose || typeof prose !== 'object') return prose ?? '';
+  const texts = /** @type {{[language: string]: string}} */ (prose);
+  return texts[language()] ?? texts.en ?? Object.values(texts)[0] ?? '';
 }
 
 /**

@@ -198,6 +198,8 @@ const DONE = new Set(['inject', 'clear', 'gain', 'signal', 'noise', 'truth', 'ob
  * @param {App} app
  */
 export async function addressOf(app) {
+  const {lesson} = app.state;
+  if (lesson) return `?lesson=${encodeURIComponent(lesson.id)}&step=${lesson.place + 1}`;
   const {state} = app;
   const t = app.samples.now;
   if (!state.spec) return location.search + location.hash;

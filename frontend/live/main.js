@@ -352,6 +352,16 @@ async function open() {
   return link.begin({experiment: FIRST.experiment, t: FIRST.t, play: true});
 }
 
+/**
+ * Show a lesson of the course; after a reload it finds its session again.
+ * @param {string} id
+ */
+async function teach(id) {
+  const {startLesson} = await import('./lesson/lesson.js');
+  const own = history.state?.session;
+  await startLesson(id, app, {link, again: async () => Boolean(own) && rejoin(own, turn())});
+}
+
 // ---- the page
 
 app.act = actions(app, link);
@@ -376,4 +386,5 @@ store.subscribe(
 );
 addEventListener('theme', ({detail}) => store.dispatch({type: 'set', theme: detail}));
 addEventListener('popstate', () => address.arrive(open));
-await Promise.all([mountPanels(app), open()]);
+const lesson = new URLSearchParams(location.search).get('lesson');
+await Promise.all([mountPanels(app), lesson === null ? open() : teach(lesson)]);

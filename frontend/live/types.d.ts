@@ -160,6 +160,8 @@ export interface State {
   /** Why there is no session. */
   problem: {title: string; detail: string} | null;
   notice: NoticeLine | null;
+  /** The step of a lesson that is shown, and whether true states and faults, and the diagnosis, are visible in it. */
+  lesson: {id: string; place: number; truth: boolean; diagnosis: boolean} | null;
 }
 
 /** What the diagnosis is shown from, of a session or a run. */

@@ -139,6 +139,12 @@ export interface Alive {
   status: 'alive';
 }
 
+/** One of the answers to a step's question. It is right where its conditions hold in the student's session. */
+export interface Answer {
+  text: Words;
+  right_if: (Condition)[];
+}
+
 /** The check of one assumption of an observer's theorem for the plant, the gains and the run. */
 export interface AssumptionCheck {
   name: Text;
@@ -260,6 +266,13 @@ export interface ChirpSignalInput {
   offset?: number;
 }
 
+/** A button that does something to the session, then runs it. */
+export interface Choice {
+  text: Words;
+  /** Commands of a live session, without ids. */
+  do: ({[name: string]: unknown})[];
+}
+
 /** End faults now: those of one channel, of one output, or all. */
 export interface Clear {
   /** Number of the command, chosen by the client. */
@@ -335,6 +348,15 @@ export interface ComparisonRow {
   grace: number;
   /** Measured processor time in µs per simulated second; it differs between runs. */
   cost: number | null;
+}
+
+/** A condition on one measured number: at least, at most, or that there is none. */
+export interface Condition {
+  measure: string;
+  at_least: number | null;
+  at_most: number | null;
+  /** True where there must be no such number. */
+  none: boolean;
 }
 
 /** A constant value. */
@@ -454,6 +476,71 @@ export interface ControllerStateInput {
   description?: string | {[name: string]: string};
 }
 
+/** A lesson: experiments, and steps that run them. */
+export interface CourseLesson {
+  id: string;
+  number: number;
+  minutes: number;
+  title: Words;
+  /** What one can do afterwards. */
+  outcome: Words;
+  experiments: {[name: string]: Experiment};
+  steps: (CourseStep)[];
+}
+
+/** A lesson of the course without its steps. */
+export interface CourseLine {
+  id: string;
+  number: number;
+  minutes: number;
+  title: Words;
+  outcome: Words;
+  steps: number;
+}
+
+/** The lessons of the course in their order. */
+export interface CourseList {
+  lessons: (CourseLine)[];
+}
+
+/** One step of a lesson: one idea, one question. */
+export interface CourseStep {
+  title: Words;
+  /** Paragraphs; **bold**. */
+  say: (Words)[];
+  /** Fewer words, for the projector. */
+  short: Words | null;
+  /** None: the session of the step before stays; such a step runs nothing. */
+  start: StepStart | null;
+  show: StepView;
+  ask: Words | null;
+  answers: (Answer)[];
+  choices: (Choice)[];
+  dial: Dial | null;
+  /** Of a step with choices or a dial. */
+  right_if: (Condition)[];
+  run: StepRun | null;
+  measures: {[name: string]: Settles | Level | Crosses | Found | Diverged | GainNow};
+  /** The first whose conditions hold is shown. */
+  saw: (Saw)[];
+  /** Where to look first after a wrong answer. */
+  look: Words | null;
+  why: (Words)[];
+  /** The cause in large type, where an observer diverges. */
+  cause: Words | null;
+}
+
+/** The time in s after `since` at which a column is first above or below a level; none where it never is. */
+export interface Crosses {
+  kind: 'crosses';
+  /** A column of the session, say y.y1. */
+  column: string;
+  side: 'above' | 'below';
+  level: number;
+  /** Time in s after the mark. */
+  since: number;
+}
+
 /** An intermediate quantity. Observers saturate it to its domain; the plant does not. */
 export interface Definition {
   /** Name in later definitions and in the equations. */
@@ -550,6 +637,20 @@ export interface DiagnosisSettingsInput {
   accuracy?: number;
 }
 
+/** A slider for a gain of an observer, or for the size of a fault that is injected when the step runs. */
+export interface Dial {
+  text: Words;
+  observer: string;
+  gain: string;
+  low: number;
+  high: number;
+  /** The value at the beginning, which does not meet the step's conditions. */
+  value: number;
+  /** A value that meets them. */
+  solution: number;
+  unit: string;
+}
+
 /** Discrete time: the dynamics are the values at the next sample. */
 export interface DiscreteTime {
   kind: 'discrete';
@@ -562,6 +663,12 @@ export interface DiscreteTimeInput {
   kind: 'discrete';
   /** Sample period in s. */
   period: number;
+}
+
+/** The time in s after the mark at which an observer diverged; none where it did not. */
+export interface Diverged {
+  kind: 'diverged';
+  observer: string;
 }
 
 /** The divergence of a plant or an observer: its time and likely cause. */
@@ -1130,6 +1237,15 @@ export interface FormField {
   choices: (string)[] | null;
 }
 
+/** The time in s from `since` to the first alarm of the detector that names a channel; none where there is none. */
+export interface Found {
+  kind: 'found';
+  /** None: any channel. */
+  channel: string | null;
+  /** Time in s after the mark. */
+  since: number;
+}
+
 /** The measurement keeps the value that it had at the onset. */
 export interface FreezeFault {
   /** Time in s at which the fault appears. */
@@ -1180,6 +1296,13 @@ export interface GainLabels {
   rows: (string)[];
   /** Labels of the columns; empty for a column gain. */
   columns: (string)[];
+}
+
+/** The present value of a gain that is one number. */
+export interface GainNow {
+  kind: 'gain';
+  observer: string;
+  gain: string;
 }
 
 /** The versions and the usage of the service. */
@@ -1304,6 +1427,27 @@ export interface Interval {
 
 export type JsonValue = unknown;
 
+/** Which step to judge, and when it was started. */
+export interface JudgeRequest {
+  lesson: string;
+  /** Place of the step in its lesson, counted from 0. */
+  step: number;
+  /** Time of the session in s at which the step was started. */
+  mark?: number;
+}
+
+/** What the session shows: measured numbers, and which answers they make right. */
+export interface Judged {
+  /** The measured numbers by name; null: there is none. */
+  values: {[name: string]: number | null};
+  /** Whether each answer is right. */
+  right: (boolean)[];
+  /** Whether the conditions of the step itself hold. */
+  met: boolean;
+  /** Place of the first sentence whose conditions hold; null: none does. */
+  saw: number | null;
+}
+
 /** Rows `first` … `row` − 1 are skipped for this viewer, which is too slow; GET /api/sessions/{id}/data has them. */
 export interface Jump {
   type: 'jump';
@@ -1349,6 +1493,19 @@ export interface LessonPlan {
 export interface LessonQuestion {
   question: Words;
   do: ({[name: string]: JsonValue})[];
+}
+
+/** The mean, standard deviation, greatest, least or last value of a column, or of the difference of two. */
+export interface Level {
+  kind: 'level';
+  take: 'mean' | 'std' | 'max' | 'min' | 'last';
+  /** A column of the session, say y.y1. */
+  column: string;
+  minus: string | null;
+  /** Time in s after the mark. */
+  start: number;
+  /** None: until the end of the step. */
+  end: number | null;
 }
 
 /** An input, known signal or output of the plant, and the column that it is read from. */
@@ -3039,6 +3196,12 @@ export interface SampledMeasurementInput {
   period: number;
 }
 
+/** A sentence on what happened, shown where its conditions hold; {name} is a measured number. */
+export interface Saw {
+  text: Words;
+  when: (Condition)[];
+}
+
 /** Go back to an earlier time. Rows and commands after it are discarded; fork first to keep them. */
 export interface Seek {
   /** Number of the command, chosen by the client. */
@@ -3275,6 +3438,19 @@ export interface SettingRow {
   values: (number | string | null)[];
 }
 
+/** The time in s after `since` from which |column − to| stays within a tolerance; none where it does not. */
+export interface Settles {
+  kind: 'settles';
+  /** A column of the session, say y.y1. */
+  column: string;
+  /** Another column, or a number. */
+  to: string | number;
+  /** The tolerance, in the column's unit. */
+  within: number;
+  /** Time in s after the mark. */
+  since: number;
+}
+
 /** The settling of an estimate after one step of a fault. */
 export interface Settling {
   channel: string;
@@ -3496,6 +3672,32 @@ export interface StepFound {
   outcome: 'found' | 'covered' | 'missed' | null;
   /** Seconds from the onset to the alarm that found it. */
   delay: number | null;
+}
+
+/** What the button of a step does: commands, then time. */
+export interface StepRun {
+  text: Words | null;
+  seconds: number;
+  /** Commands of a live session, without ids. */
+  do: ({[name: string]: unknown})[];
+}
+
+/** The session with which a step begins: a new one of an experiment of the lesson, paused at a time. */
+export interface StepStart {
+  experiment: string;
+  t: number;
+}
+
+/** What of the session a step shows. */
+export interface StepView {
+  /** Names of strips, from the top. */
+  strips: (string)[];
+  /** copy: the plant and the observer beside it, with their levels. */
+  picture: 'plant' | 'copy' | 'none';
+  /** Whether true states and faults are visible. */
+  truth: boolean;
+  /** Whether the detector's findings are visible. */
+  diagnosis: boolean;
 }
 
 /** Piecewise constant: values[0] before times[0], values[i] from times[i-1] on. */

@@ -60,7 +60,7 @@ class Seat:
 
 @cache
 def played(lesson: str, place: int) -> tuple[Judged, ...]:
-    """Return the judgements of a step: one for each choice, or for the first and the solving value of a dial, or one."""
+    """Return the judgements of a step: one for each choice, or for two values of a dial, or one."""
     step = library.course()[lesson].steps[place]
     return tuple(Seat(lesson, step).judged(step, commands) for commands in deeds(step)) if step.run else ()
 

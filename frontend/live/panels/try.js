@@ -1,8 +1,9 @@
 // Try this: questions about the experiment, each with a button that carries it out.
 
 import {get} from '../../common/api.js';
-import {childrenOf, fill, h, hatted} from '../../common/dom.js';
+import {childrenOf, fill, h} from '../../common/dom.js';
 import {called} from '../../common/names.js';
+import {withSymbols} from '../../widgets/prose.js';
 import {wholeLines} from '../../widgets/whole-lines.js';
 import {heading, seconds} from '../../widgets/controls.js';
 import {icon} from '../../widgets/svg.js';
@@ -10,8 +11,6 @@ import {t} from '../../i18n/words.js';
 
 /** @import {App, BatchCommand, Command, FaultInput, Language} from '../types.js' */
 /** @import * as service from '../../types/service.js' */
-
-const SYMBOL = /λmin|(?<![A-Za-z])([θφρλxyuKHLR]\u0302?)(\d*)(?![A-Za-z\u0302])/g;
 
 /** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
@@ -44,7 +43,7 @@ export function mount(element, app) {
     h(
       'li',
       {},
-      h('span', {}, set(words[language] ?? words.en)),
+      h('span', {}, withSymbols(words[language] ?? words.en)),
       commands.length > 0 &&
         h(
           'button',
@@ -113,22 +112,3 @@ const commandsOf = (commands) => /** @type {BatchCommand[]} */ (/** @type {unkno
  * @param {FaultInput} fault
  */
 const siteOf = (fault) => ('channel' in fault ? fault.channel : fault.output);
-
-/**
- * Words with their symbols in italics.
- * @param {string} words
- */
-function set(words) {
-  const parts = [];
-  let at = 0;
-  for (const match of words.matchAll(SYMBOL)) {
-    parts.push(words.slice(at, match.index));
-    at = match.index + match[0].length;
-    parts.push(
-      match[0] === 'λmin'
-        ? [h('i', {}, 'λ'), h('sub', {}, 'min')]
-        : [match[1].length > 1 ? hatted(match[1][0]) : h('i', {}, match[1]), match[2] && h('sub', {}, match[2])],
-    );
-  }
-  return [...parts, words.slice(at)];
-}

@@ -131,15 +131,16 @@ function legendOf(app, scope) {
   const banded = state.observers.filter(({label}) =>
     state.columns.some((column) => column.startsWith(`${label}.sigma.`)),
   );
+  const diagnosed = state.lesson?.diagnosis ?? true;
   return [
-    item(key('dash'), t('page.scope.truth')),
+    (state.lesson?.truth ?? true) && item(key('dash'), t('page.scope.truth')),
     ...state.observers.map((observer) =>
       nameOf(observer, banded, app, scope, key(observer.dashed ? 'solid dashed' : 'solid', `--c:${observer.colour}`)),
     ),
     banded.length > 0 && bandOf(banded, app, key),
-    item(key('tinted'), t('page.scope.fault-active')),
-    item(key('triangle'), t('page.scope.alarm')),
-    typeof state.facts?.judged === 'number' && item(key('hatched'), t('page.scope.not-judged')),
+    (state.lesson?.truth ?? true) && item(key('tinted'), t('page.scope.fault-active')),
+    diagnosed && item(key('triangle'), t('page.scope.alarm')),
+    diagnosed && typeof state.facts?.judged === 'number' && item(key('hatched'), t('page.scope.not-judged')),
     parent &&
       item(
         key('ghost'),

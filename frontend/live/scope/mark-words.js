@@ -3,6 +3,7 @@
 /** @import {App, Row} from '../types.js' */
 
 import {t} from '../../i18n/words.js';
+import {visible} from '../state/visible.js';
 
 const NEAR = 6; // px
 
@@ -32,7 +33,7 @@ export function markWords({strip, place}, x, y, timeAt, {state, samples}) {
   const named =
     strip.kind !== 'theta' && strip.kind !== 'residual'
       ? []
-      : state.alarms.filter((alarm) =>
+      : visible(state).alarms.filter((alarm) =>
           strip.kind === 'theta'
             ? alarm.subjects.includes(strip.subject)
             : !alarm.explained && alarm.subject === strip.subject,

@@ -13,6 +13,7 @@ import {leaving, setTicks, wanted} from './axis-view.js';
 import {drawTimeAxis} from './time-axis.js';
 import {stripsOf} from '../state/strips.js';
 import {say, t} from '../../i18n/words.js';
+import {visible} from '../state/visible.js';
 
 /** @import {App, Place, Row, Strip} from '../types.js' */
 
@@ -35,6 +36,7 @@ export function mountScope(root, app) {
       state.noise,
       state.language,
       state.presentation,
+      state.lesson,
     ],
     () => scope.build(),
   );
@@ -236,9 +238,8 @@ export class Scope {
       ghost,
       now: samples.now,
       row: samples.record,
-      faults: state.faults,
-      alarms: state.alarms,
-      judged: state.facts?.judged ?? null,
+      ...visible(state),
+      judged: (state.lesson?.diagnosis ?? true) ? (state.facts?.judged ?? null) : null,
       bands: this.bands(),
     };
     for (const row of this.rows.values()) {

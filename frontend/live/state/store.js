@@ -52,6 +52,7 @@ export const initial = Object.freeze({
   language: 'en',
   problem: null,
   notice: null,
+  lesson: null,
 });
 
 /**

@@ -50,7 +50,7 @@ export function derivedColumns(columns) {
  * @param {State} state
  * @returns {Strip[]}
  */
-export function stripsOf({plant, columns, observers, faults, checks, strips: chosen, noise, presentation}) {
+export function stripsOf({plant, columns, observers, faults, checks, strips: chosen, noise, presentation, lesson}) {
   if (!plant) return [];
   const known = new Set(columns);
   /** @param {Parameters<MakeTraces>[0]} make @returns {Trace[]} */
@@ -74,7 +74,12 @@ export function stripsOf({plant, columns, observers, faults, checks, strips: cho
     ...excitationStrip(known, observers, checks, traces),
   ];
   const few = presentation ? fewer(all) : () => true;
-  return all.map((strip) => ({...strip, shown: chosen[strip.name] ?? (strip.usual && few(strip))}));
+  const secret = lesson !== null && !lesson.truth;
+  return all.map((strip) => ({
+    ...strip,
+    truth: secret && strip.kind !== 'loop' ? null : strip.truth,
+    shown: chosen[strip.name] ?? (strip.usual && few(strip)),
+  }));
 }
 
 /**

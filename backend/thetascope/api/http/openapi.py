@@ -11,6 +11,7 @@ from thetascope.runs.specs.run_requests import RunRequest
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.figures.printed_figure import PrintSettings
+from thetascope_schemas.service.learning.judged import JudgeRequest
 from thetascope_schemas.service.notebook.comparison import ComparisonNotes
 from thetascope_schemas.service.notebook.lines import RunNotes
 from thetascope_schemas.service.plants.text import TextEdit
@@ -50,6 +51,7 @@ BODIES = (
     ForkRequest,
     EquationsRequest,
     PrintSettings,
+    JudgeRequest,
     Problem,
 )
 _ANY = {"description": "Another refusal, or an internal error (500).", "content": PROBLEM}

@@ -22,7 +22,7 @@ FRONTEND = next(
 )
 
 #: Addresses of pages whose files lie in frontend/pages.
-PAGES = ("runs", "records", "workshop")
+PAGES = ("learn", "runs", "records", "workshop")
 
 #: A versioned file is at /static/<version>/<file>; modules import each other by relative addresses.
 STATIC = "static"

@@ -93,7 +93,7 @@ export function mount(element, app) {
     );
   };
   const label = () => {
-    fill(nav, pageLinks('live'));
+    fill(nav, pageLinks(app.state.lesson ? 'learn' : 'live'));
     fill(query('.skip'), t('page.nav.skip-to-curves'));
     fill(query('#scope > h2'), t('page.tabs.curves'));
     nav.setAttribute('aria-label', t('page.nav.label'));

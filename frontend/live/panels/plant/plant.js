@@ -8,6 +8,7 @@ import {setPoints} from './set-points.js';
 import {open} from '../dialogs/open-dialog.js';
 import {asOfNow, heading, link, steady} from '../../../widgets/controls.js';
 import {letters, s} from '../../../widgets/svg.js';
+import {visible} from '../../state/visible.js';
 import {named, t} from '../../../i18n/words.js';
 
 /** @import {Plant} from '../../../pages/types.js' */
@@ -54,7 +55,7 @@ export function mount(element, app) {
    * well.
    */
   const light = () => {
-    const {faults, alarms} = app.state;
+    const {faults, alarms} = visible(app.state);
     const active = new Set(faults.filter((fault) => fault.active).map((fault) => fault.subject));
     const on = alarms.filter((alarm) => alarm.over === null);
     for (const [subject, {group, title, onChannel}] of sites) {
@@ -86,7 +87,7 @@ export function mount(element, app) {
   };
   app.subscribe((state) => [state.plant, state.language], draw);
   app.subscribe((state) => state.observers.map((one) => one.colour).join(), draw);
-  app.subscribe((state) => [state.faults, state.alarms], light);
+  app.subscribe((state) => [state.faults, state.alarms, state.lesson], light);
   app.subscribe(
     (state) => state.site,
     (site) => {

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, WithJsonSchema, model_validator
 
 from thetascope_schemas.experiment.base import Identifier, Instant, Positive, Reference, Strict, example
 from thetascope_schemas.experiment.experiment import Experiment
@@ -14,10 +14,11 @@ from thetascope_schemas.texts.refusal import refuse, suggestion
 _HEADING = {"en": "Now let the copy listen", "zh": "现在，让副本听一听"}
 _ANSWER = {"text": {"en": "It stays wrong", "zh": "一直不对"}, "right_if": [{"measure": "settled", "none": True}]}
 _SETTLED = {"kind": "settles", "column": "copy.x.h1", "to": "x.h1", "within": 1.0}
-Commands = Annotated[tuple[BatchMember, ...], Field(max_length=10)]
+_SENT = {"type": "array", "items": {"type": "object"}, "description": "Commands of a live session, without ids."}
+Commands = Annotated[tuple[BatchMember, ...], Field(max_length=10), WithJsonSchema(_SENT, mode="serialization")]
 
 
-class Start(Strict):
+class StepStart(Strict):
     """The session with which a step begins: a new one of an experiment of the lesson, paused at a time."""
 
     model_config = example(experiment="alone", t=60.0)
@@ -26,10 +27,10 @@ class Start(Strict):
     t: Instant = 0
 
 
-class Shown(Strict):
+class StepView(Strict):
     """What of the session a step shows."""
 
-    model_config = example(strips=["state.h1", "residual.y"], picture="copy")
+    model_config = example(strips=["x.h1", "residual.y"], picture="copy")
 
     strips: tuple[ColumnName, ...] = Field(default=(), max_length=4, description="Names of strips, from the top.")
     picture: Literal["plant", "copy", "none"] = Field(
@@ -84,7 +85,7 @@ class Dial(Strict):
     unit: str = Field(default="", max_length=20)
 
 
-class Run(Strict):
+class StepRun(Strict):
     """What the button of a step does: commands, then time."""
 
     model_config = example(text={"en": "Run it and see", "zh": "运行看看"}, seconds=60.0)
@@ -122,16 +123,16 @@ class CourseStep(Strict):
     title: Words
     say: tuple[Words, ...] = Field(min_length=1, max_length=4, description="Paragraphs; **bold**.")
     short: Words | None = Field(default=None, description="Fewer words, for the projector.")
-    start: Start | None = Field(
+    start: StepStart | None = Field(
         default=None, description="None: the session of the step before stays; such a step runs nothing."
     )
-    show: Shown = Shown()
+    show: StepView = StepView()
     ask: Words | None = None
     answers: tuple[Answer, ...] = Field(default=(), max_length=4)
     choices: tuple[Choice, ...] = Field(default=(), max_length=4)
     dial: Dial | None = None
     right_if: tuple[Condition, ...] = Field(default=(), max_length=4, description="Of a step with choices or a dial.")
-    run: Run | None = None
+    run: StepRun | None = None
     measures: dict[Reference, Measure] = Field(default_factory=dict, max_length=8)
     saw: tuple[Saw, ...] = Field(default=(), max_length=4, description="The first whose conditions hold is shown.")
     look: Words | None = Field(default=None, description="Where to look first after a wrong answer.")

@@ -38,7 +38,7 @@ class Level(Strict):
 
 
 class Crosses(Strict):
-    """The time in s after `since` at which a column first comes to lie above or below a level; none where it never does."""
+    """The time in s after `since` at which a column is first above or below a level; none where it never is."""
 
     model_config = example(kind="crosses", column="slow.theta.leak", side="above", level=0.5, since=10.0)
     kind: Literal["crosses"] = "crosses"
@@ -90,7 +90,7 @@ class Condition(Strict):
     @model_validator(mode="after")
     def _says_something(self) -> Self:
         if self.none == (self.at_least is not None or self.at_most is not None):
-            raise refuse("course.condition.empty", field="measure", value=self.measure)
+            raise refuse("course.condition.empty", field="measure", value=self.measure, measure=self.measure)
         return self
 
     def holds(self, value: float | None) -> bool:

@@ -1,0 +1,40 @@
+// The foot of a lesson: back, the steps, truth, restart, everything in Live, next.
+
+import {fill, h} from '../../common/dom.js';
+import {places} from './progress.js';
+import {named, t} from '../../i18n/words.js';
+
+/** @import {Lesson} from './lesson.js' */
+
+/** @param {HTMLElement} foot @param {Lesson} lesson */
+export function drawFoot(foot, lesson) {
+  const {view, app} = lesson;
+  const {plan, place, phase} = view;
+  const done = new Set(places()[plan.id]?.done ?? []);
+  const count = plan.steps.length;
+  /** @param {string} words @param {() => unknown} act @param {string} [key] */
+  const button = (words, act, key) =>
+    h('button', {type: 'button', class: 'quiet', onclick: act}, words, key && h('kbd', {}, key));
+  const steps = plan.steps.map((step, at) =>
+    h('button', {
+      type: 'button',
+      class: done.has(at) ? 'done' : null,
+      'aria-current': at === place ? 'step' : null,
+      'aria-label': t('page.lesson.step', {n: at + 1, of: count, title: named(step.title)}),
+      title: named(step.title),
+      onclick: () => lesson.enter(at),
+    }),
+  );
+  const truth = app.state.lesson?.truth ?? true;
+  fill(
+    foot,
+    button(t('page.lesson.back'), () => lesson.back()),
+    h('nav', {class: 'lesson-steps', 'aria-label': t('page.lesson.steps')}, steps),
+    h('span', {class: 'soft'}, t('page.lesson.place', {n: place + 1, of: count})),
+    h('span', {class: 'grow'}),
+    button(truth ? t('page.lesson.hide-truth') : t('page.lesson.show-truth'), () => lesson.truth(), 'H'),
+    button(t('page.lesson.restart'), () => lesson.again()),
+    button(t('page.lesson.open-live'), () => lesson.leave()),
+    button(phase === 'after' || !lesson.step.run ? t('page.lesson.next') : t('page.lesson.skip'), () => lesson.next()),
+  );
+}
