@@ -7,15 +7,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Row, delete, func, insert, select
+from sqlalchemy import Row, case, delete, func, insert, select
 from sqlalchemy.dialects import postgresql, sqlite
 
 from thetascope.store.database import Database
-from thetascope.store.notebook.facts import RunFacts, facts_of_row, put_facts, set_kind
+from thetascope.store.notebook.facts import KINDS, RunFacts, facts_of_row, put_facts, set_kind
 from thetascope.store.notebook.listing import GROUPS, MEASURES, Counts, RunQuery, conditions, joined, ordered
 from thetascope.store.notebook.removal import erase, mark_removed
 from thetascope.store.run_store import Record, listed_record
-from thetascope.store.tables import COMPARISON_NOTES, OWNERS, RUN_FACTS, RUN_NOTES, RUNS
+from thetascope.store.tables import COMPARISON_NOTES, OWNERS, RUN_FACTS, RUN_NOTES, RUNS, as_text
 
 log = logging.getLogger(__name__)
 
@@ -54,11 +54,13 @@ class NotebookStore:
             ids = ordered(joined(owner, RUNS.c.id, RUN_FACTS.c.numbers, group).where(where), query)
             if beyond:
                 rows = [row for row in connection.execute(ids) if _meets(row.numbers, beyond)]
-                found = Counter(row.group for row in rows)
+                found = Counter(as_text(row.group) for row in rows)
                 page = [row.id for row in rows[query.offset : query.offset + query.limit]]
             else:
                 counted = joined(owner, group, func.count().label("n")).where(where).group_by(group)
-                found = {row.group: row.n for row in connection.execute(counted)}
+                found = Counter()
+                for row in connection.execute(counted):
+                    found[as_text(row.group)] += row.n
                 page = [row.id for row in connection.execute(ids.limit(query.limit).offset(query.offset))]
             lines = {row.id: row for row in connection.execute(joined(owner, *_SHOWN).where(RUNS.c.id.in_(page)))}
             owners = self._owners(connection, page)
@@ -144,16 +146,22 @@ class NotebookStore:
     @staticmethod
     def _counts(connection: Any, owner: str, found: dict[str, int]) -> Counts:
         kind = func.coalesce(RUN_FACTS.c.kind, "run")
+        pins = func.sum(case((RUNS.c.pinned == 1, 1), else_=0)).label("pins")
         rows = connection.execute(
-            joined(owner, kind.label("kind"), func.count().label("n"), func.sum(RUNS.c.pinned).label("pins")).group_by(
-                kind
-            )
+            joined(
+                owner,
+                kind.label("kind"),
+                func.count().label("n"),
+                pins,
+            ).group_by(kind)
         ).all()
         tags: Counter[str] = Counter()
         for row in connection.execute(joined(owner, RUN_NOTES.c.tags).where(RUN_NOTES.c.tags.is_not(None))):
-            tags.update(_tags(row.tags))
-        kinds = {row.kind: row.n for row in rows}
-        return Counts(sum(kinds.values()), sum(int(row.pins) for row in rows), kinds, dict(tags), found)
+            tags.update(tags_of(row.tags))
+        kinds: Counter[str] = Counter()
+        for row in rows:
+            kinds[row.kind if row.kind in KINDS else KINDS[0]] += row.n
+        return Counts(kinds.total(), sum(int(row.pins) for row in rows), dict(kinds), dict(tags), found)
 
 
 def _meets(numbers: str | None, conditions: list[Any]) -> bool:
@@ -161,12 +169,12 @@ def _meets(numbers: str | None, conditions: list[Any]) -> bool:
     try:
         values = json.loads(numbers or "{}")
         return all(one.holds(values.get(one.name, ())) for one in conditions)
-    except (ValueError, TypeError, AttributeError):
+    except (ValueError, TypeError, AttributeError, RecursionError):
         return False
 
 
 def _line(row: Row, owners: frozenset[str]) -> Line:
-    return Line(listed_record(row), facts_of_row(row), row.name or "", _tags(row.tags), owners)
+    return Line(listed_record(row), facts_of_row(row), as_text(row.name), tags_of(row.tags), owners)
 
 
 def _together(ids: Sequence[str]) -> str:
@@ -174,9 +182,10 @@ def _together(ids: Sequence[str]) -> str:
     return ",".join(sorted(ids))
 
 
-def _tags(text: str | None) -> tuple[str, ...]:
+def tags_of(text: str | None) -> tuple[str, ...]:
+    """Return the tags that a list in JSON holds; none if it cannot be read."""
     try:
         return tuple(str(tag) for tag in json.loads(text or "[]"))
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, RecursionError):
         log.error("the tags of a run cannot be read")
         return ()

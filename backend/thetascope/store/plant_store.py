@@ -1,14 +1,16 @@
 """Saved plants in the store: the text of every version, for each owner."""
 
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import Any
 
 from sqlalchemy import Float, LargeBinary, and_, cast, delete, desc, func, insert, literal, select, update
 
 from thetascope.messages import Message
 from thetascope.store.database import Database
 from thetascope.store.errors import Damaged
-from thetascope.store.tables import PLANTS, has_plant, plant_sum
+from thetascope.store.tables import PLANTS, as_number, as_text, has_plant, plant_sum
 
 ROW = 1024
 """Bytes that a version counts in addition to its text."""
@@ -90,7 +92,7 @@ class PlantStore:
         same = [PLANTS.c[name] == newest.c[name] for name in ("owner", "id", "version")]
         query = select(*_WITHOUT_TEXT).join(newest, and_(*same)).order_by(desc(PLANTS.c.saved))
         with self._database.reading() as connection:
-            return [self._version(row, check=False) for row in connection.execute(query)]
+            return _listed(connection.execute(query))
 
     def versions(self, owner: str, id: str) -> list[PlantVersion]:
         """Return all versions of a plant without texts, the latest first."""
@@ -98,9 +100,14 @@ class PlantStore:
             (PLANTS.c.owner == owner) & (PLANTS.c.id == id) & PLANTS.c.removed.is_(None)
         )
         with self._database.reading() as connection:
-            return [
-                self._version(row, check=False) for row in connection.execute(query.order_by(desc(PLANTS.c.version)))
-            ]
+            return _listed(connection.execute(query.order_by(desc(PLANTS.c.version))))
+
+    def owners(self, id: str) -> list[str]:
+        """Return the owners of plants with an id, the one with the highest version first."""
+        highest = func.max(PLANTS.c.version)
+        query = select(PLANTS.c.owner).where((PLANTS.c.id == id) & PLANTS.c.removed.is_(None)).group_by(PLANTS.c.owner)
+        with self._database.reading() as connection:
+            return list(connection.execute(query.order_by(desc(highest), desc(func.max(PLANTS.c.saved)))).scalars())
 
     def remove(self, owner: str, id: str) -> bool:
         """Delete a plant with all its versions, which can be restored; return whether there was one."""
@@ -130,11 +137,23 @@ class PlantStore:
             return {owner: int(used) for owner, used in rows}
 
     @staticmethod
-    def _version(row, check: bool = True) -> PlantVersion:
-        if check and not has_plant(row):
+    def _version(row) -> PlantVersion:
+        if not has_plant(row):
             raise Damaged(Message("store.plant-damaged", id=str(row.id)[:64], version=row.version))
         facts = (row.title, row.format, row.faults, bool(row.ready))
         return PlantVersion(row.owner, row.id, row.version, *facts, row.text, row.saved)
+
+
+def _listed(rows: Iterable[Any]) -> list[PlantVersion]:
+    """Return the versions in rows without texts. They are not verified, and a damaged field is empty."""
+    return [
+        PlantVersion(
+            *(row.owner, row.id, row.version),
+            *(as_text(row.title), as_text(row.format), int(as_number(row.faults)), row.ready == 1),
+            *("", as_number(row.saved)),
+        )
+        for row in rows
+    ]
 
 
 class _Row:

@@ -1,6 +1,8 @@
 """Files of records in the store: the bytes once, and for each owner a name, a plant and a mapping."""
 
 import hashlib
+import json
+import logging
 import time
 import zlib
 from dataclasses import dataclass
@@ -12,7 +14,9 @@ from sqlalchemy.dialects import postgresql, sqlite
 from thetascope.messages import Message
 from thetascope.store.database import Database
 from thetascope.store.errors import Damaged
-from thetascope.store.tables import RECORD_SHARES, RECORDS
+from thetascope.store.tables import RECORD_SHARES, RECORDS, as_number, as_text
+
+log = logging.getLogger(__name__)
 
 _ID = 32  # hexadecimal digits
 _SHARE = ("name", "plant", "mapping", "changed")
@@ -53,6 +57,22 @@ class Line:
     name: str
     size: int
     changed: float
+
+
+def _share(row: Any) -> Share:
+    """Return the share in a row; a plant or mapping that cannot be read was not chosen."""
+    texts = (row.plant, row.mapping)
+    plant, mapping = (text if _is_json(text) else None for text in texts)
+    if texts != (plant, mapping):
+        log.error("the plant or the mapping of record %s cannot be read", row.record)
+    return Share(row.record, row.owner, as_text(row.name), plant, mapping, as_number(row.changed))
+
+
+def _is_json(text: object) -> bool:
+    try:
+        return isinstance(text, str) and json.loads(text) is not None
+    except (ValueError, RecursionError):
+        return False
 
 
 class RecordStore:
@@ -98,7 +118,7 @@ class RecordStore:
         """Return the shares of a record, the last one that changed first."""
         query = select(RECORD_SHARES).where(RECORD_SHARES.c.record == id).order_by(desc(RECORD_SHARES.c.changed))
         with self._database.reading() as connection:
-            return [Share(**row._mapping) for row in connection.execute(query)]
+            return [_share(row) for row in connection.execute(query)]
 
     def page(self, owners: tuple[str, ...] | None, limit: int) -> list[Line]:
         """Return the records of some owners, or of all, the last one that changed first."""
@@ -113,7 +133,8 @@ class RecordStore:
         if owners is not None:
             query = query.where(RECORD_SHARES.c.owner.in_(owners))
         with self._database.reading() as connection:
-            return [Line(*row) for row in connection.execute(query)]
+            rows = connection.execute(query).all()
+        return [Line(id, as_text(name), int(as_number(size)), as_number(at)) for id, name, size, at in rows]
 
     def delete_share(self, id: str, owner: str | None) -> bool:
         """Remove an owner's share, or all of them, and the file with the last one; return whether the file is gone."""

@@ -1,4 +1,4 @@
-"""The tables of the newest schema, and the checksums of their rows."""
+"""The tables of the newest schema, the checksums of their rows, and fields that may be damaged."""
 
 import hashlib
 import json
@@ -207,3 +207,13 @@ def plant_sum(row: Any) -> str:
 def has_plant(row: Any) -> bool:
     """Return whether a row of `plants` is what was written."""
     return row.checksum == plant_sum(row)
+
+
+def as_text(value: object) -> str:
+    """Return the text in a field that may be damaged, in characters that can be sent; "" for another value."""
+    return value.encode("utf-8", "replace").decode("utf-8") if isinstance(value, str) else ""
+
+
+def as_number(value: object) -> float:
+    """Return the number in a field that may be damaged; 0 for another value."""
+    return float(value) if isinstance(value, int | float) and abs(value) < 1e300 else 0.0

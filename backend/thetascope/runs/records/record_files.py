@@ -5,6 +5,7 @@ hash of the file, may read it; only owners change or remove their share, and the
 """
 
 import json
+import logging
 import time
 from dataclasses import dataclass
 
@@ -13,13 +14,15 @@ from thetascope.assembly.analyses.record_run import RecordBytes, diagnosed_plant
 from thetascope.messages import Message
 from thetascope.runs.jobs.ownership import share_of
 from thetascope.runs.records.record_answers import RecordAnswers, answer_key
-from thetascope.runs.specs.refusals import Refusal, Unknown, validated
+from thetascope.runs.specs.refusals import InvalidSpec, Refusal, Unknown, validated
 from thetascope.runs.specs.resolve_spec import plant_of
 from thetascope.store import RecordStore, Share, record_id
 from thetascope.store.record_store import Line
 from thetascope_schemas.experiment.experiment import ResolvedExperiment
 from thetascope_schemas.experiment.measurement import ColumnMapping
 from thetascope_schemas.experiment.plant import Plant
+
+log = logging.getLogger(__name__)
 
 _OF_ONE = 4  # the part of the room that one client may fill, unless it is the machine's owner
 _LONGEST = 200  # characters of a name
@@ -71,9 +74,7 @@ class RecordFiles:
         if data is None or not shares:
             raise Unknown(Message("record.unknown", id=id[:64]))
         share = next((share for share in shares if share.owner in (by.owner, by.also)), shares[0])
-        plant = None if share.plant is None else plant_of(_plant(share.plant))
-        mapping = ColumnMapping() if share.mapping is None else validated(ColumnMapping, json.loads(share.mapping))
-        return RecordFile(id, share.name, data, plant, mapping)
+        return RecordFile(id, share.name, data, *_chosen(share))
 
     def of_experiment(self, spec: ResolvedExperiment) -> RecordBytes:
         """Return the file of an experiment's record, with its diagnosis where it is known. Raises Unknown."""
@@ -111,6 +112,17 @@ class RecordFiles:
 def _share(id: str, owner: str, name: str, plant: str | Plant | None, mapping: ColumnMapping) -> Share:
     chosen = None if plant is None else json.dumps(plant) if isinstance(plant, str) else plant.model_dump_json()
     return Share(id, owner, name[:_LONGEST], chosen, mapping.model_dump_json(), time.time())
+
+
+def _chosen(share: Share) -> tuple[Plant | None, ColumnMapping]:
+    """Return the plant and the mapping of a share; one that is stored wrongly was not chosen."""
+    plant, mapping = None, ColumnMapping()
+    try:
+        plant = None if share.plant is None else plant_of(_plant(share.plant))
+        mapping = mapping if share.mapping is None else validated(ColumnMapping, json.loads(share.mapping))
+    except InvalidSpec:
+        log.error("the plant or the mapping of record %s is not valid", share.record)
+    return plant, mapping
 
 
 def _plant(text: str) -> str | Plant:

@@ -8,7 +8,8 @@ from typing import Any
 from sqlalchemy import Connection, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 
-from thetascope.store.tables import RUN_FACTS
+from thetascope.messages import Message
+from thetascope.store.tables import RUN_FACTS, as_number, as_text
 
 KINDS = ("run", "session", "record")
 """A run that was asked for, a live session that was saved, and observers on a record."""
@@ -40,7 +41,7 @@ class RunFacts:
 
 
 _CHANGED = ("experiment", "rmse", "delay", "false_alarms", "words", "numbers", "changes", "shown")  # not the kind
-_JSON = ("numbers", "changes", "shown")
+_JSON = {"numbers": dict, "changes": list, "shown": dict}
 
 
 def put_facts(connection: Connection, id: str, facts: RunFacts) -> None:
@@ -64,11 +65,28 @@ def set_kind(connection: Connection, id: str, kind: str) -> None:
 
 def facts_of_row(row: Any) -> RunFacts | None:
     """Return the facts in a row that joins runs and facts; None if there are none, or they cannot be read."""
-    if row.kind is None:
+    measures = (row.rmse, row.delay, row.false_alarms)
+    if row.kind not in KINDS or not all(map(_is_measure, measures)):
         return None
     try:
         data = {name: json.loads(getattr(row, name)) for name in _JSON}
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, RecursionError):
         return None
-    numbers = (row.rmse, row.delay, row.false_alarms)
-    return RunFacts(row.experiment, row.kind, *numbers, row.words, **data)
+    well_formed = all(isinstance(data[name], kind) for name, kind in _JSON.items())
+    if not well_formed or not all(map(_is_change, data["changes"])):
+        return None
+    return RunFacts(as_text(row.experiment), row.kind, *measures, as_text(row.words), **data)
+
+
+def _is_measure(value: object) -> bool:
+    return value is None or (isinstance(value, int | float) and as_number(value) == value)
+
+
+def _is_change(value: object) -> bool:
+    """Return whether it is a change with a label that can be rendered."""
+    if not isinstance(value, dict) or not isinstance(label := value.get("label"), dict):
+        return False
+    try:
+        return bool(Message.from_data(label).text("en"))
+    except (KeyError, TypeError, ValueError, AttributeError):
+        return False

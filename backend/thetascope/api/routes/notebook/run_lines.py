@@ -1,6 +1,5 @@
 """GET /api/runs: the list of runs; PATCH and restore of one: name, tags, pin, undoing its removal."""
 
-import json
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
@@ -21,6 +20,7 @@ from thetascope.runs.notebook.search_text import parse_search
 from thetascope.runs.results.run_facts import facts_of_run
 from thetascope.store import Line, RunFacts, RunQuery
 from thetascope.store.notebook.listing import Counts, Group, Order
+from thetascope.store.notebook_store import tags_of
 from thetascope_schemas.service.notebook.lines import RunKind, RunLine, RunList, RunNotes
 from thetascope_schemas.texts.local_text import in_language
 
@@ -136,7 +136,7 @@ def _groups(counts: Counts, group: str, language: str) -> list[dict[str, Any]]:
     groups = []
     for key, n in counts.found.items():
         if group == "tags":
-            title = ", ".join(json.loads(key or "[]"))
+            title = ", ".join(tags_of(key))
         else:
             title = in_language(known[key].title, language) if key in known else ""
         groups.append({"key": key, "title": title, "n": n})
