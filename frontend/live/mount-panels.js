@@ -1,6 +1,7 @@
 // The panels around the scope: the place of each, and the module that fills it.
 
 import {query} from '../common/dom.js';
+import {mountFirstSight} from './ui/first-sight.js';
 
 /** @type {[place: string | null, module: string][]} */
 const PANELS = [
@@ -40,4 +41,5 @@ export async function mountPanels(app) {
       console.error(`panel ${name}:`, error);
     }
   });
+  mountFirstSight(app);
 }

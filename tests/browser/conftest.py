@@ -169,7 +169,11 @@ INSIGHT = """(() => {
 })()"""
 
 
-def visit(context, server: str, path: str, width: int, height: int, theme: str):
+#: Somebody who was here before: the sentences for the first minute are hidden.
+KNOWN = "try { localStorage.setItem('thetascope.hints', 'off'); } catch {}"
+
+
+def visit(context, server: str, path: str, width: int, height: int, theme: str, hints: bool = False):
     """Return a new page of a context at a path of the server, with .watch of the errors on it.
 
     It prefers reduced motion: axes jump instead of gliding, so that nothing depends on the time of a frame.
@@ -180,6 +184,8 @@ def visit(context, server: str, path: str, width: int, height: int, theme: str):
     opened.emulate_media(color_scheme=theme, reduced_motion="reduce")
     opened.watch = Watch(opened, server)
     opened.add_init_script(INSIGHT)
+    if not hints:
+        opened.add_init_script(KNOWN)
     opened.goto(server + path)
     return opened
 
@@ -281,8 +287,8 @@ def page(context, server) -> Iterator:
     """
     tabs = []
 
-    def open_page(path: str = "/", width: int = 1440, height: int = 900, theme: str = "light"):
-        tabs.append(visit(context, server, path, width, height, theme))
+    def open_page(path: str = "/", width: int = 1440, height: int = 900, theme: str = "light", hints: bool = False):
+        tabs.append(visit(context, server, path, width, height, theme, hints))
         return tabs[-1]
 
     yield open_page

@@ -2,6 +2,7 @@
 
 import {fill, h} from '../../../common/dom.js';
 import {KEYS} from './keyboard.js';
+import {hintsShown} from '../../ui/first-sight.js';
 import {t} from '../../../i18n/words.js';
 
 /** @import {Child} from '../../../types/dom.js' */
@@ -58,6 +59,9 @@ const definitions = (entries) =>
     entries.map(([term, meaning]) => [h('dt', {}, term), h('dd', {}, meaning)]),
   );
 
+const hintsButton = () =>
+  h('button', {type: 'button', class: 'link', onclick: () => hintsShown(true)}, t('page.first.show'));
+
 /** @param {HTMLElement} body */
 export function showHelp(body) {
   const rows = KEYS.map(({keys, does}) =>
@@ -76,6 +80,7 @@ export function showHelp(body) {
     body,
     h('p', {class: 'introduction'}, t('page.help.introduction')),
     definitions(PARTS.map((name) => [t(`page.help.part.${name}.term`), t(`page.help.part.${name}.meaning`)])),
+    h('p', {class: 'soft'}, hintsButton(), ' ', h('a', {href: '/learn/'}, t('page.first.learn'))),
     h('h3', {}, t('page.help.keys')),
     h('table', {class: 'keys'}, h('tbody', {}, rows)),
     h('p', {class: 'soft'}, t('page.help.keys.note')),
