@@ -17,7 +17,7 @@ def test_every_panel_explains_itself_until_that_is_hidden(page):
     live = page("/?experiment=zhao-2012&t=12", width=1600, height=1100, hints=True)
     ready(live)
     every = ["plant", "truth", "inject", "try", "scope", "diagnosis", "observers", "comparison", "log"]
-    assert shown(live) == every
+    eventually(lambda: shown(live) == every, "every panel has its sentence")
     assert "Contois bioreactor is running" in live.inner_text(".first-line")
     assert live.evaluate("document.querySelector('#panel-log .heading').nextSibling.matches('.first-words')")
     live.evaluate(AXE)
@@ -30,14 +30,14 @@ def test_every_panel_explains_itself_until_that_is_hidden(page):
     live.keyboard.press("?")
     live.get_by_role("button", name="Show the hints below the titles").click()
     live.keyboard.press("Escape")
-    assert shown(live) == every
+    eventually(lambda: shown(live) == every, "every panel has its sentence")
 
 
 def test_a_small_window_keeps_its_room(page):
     """At 1440×900 the panels that act keep their sentence; lower than that only the line above them is left."""
     live = page("/?experiment=dts200&t=20", width=1440, height=900, hints=True)
     ready(live)
-    assert shown(live) == ["plant", "inject", "scope", "diagnosis", "observers"]
+    eventually(lambda: shown(live) == ["plant", "inject", "scope", "diagnosis", "observers"], "the panels that act")
     live.set_viewport_size({"width": 1280, "height": 720})
     assert shown(live) == [] and live.is_visible(".first-line")
     live.set_viewport_size({"width": 390, "height": 844})
