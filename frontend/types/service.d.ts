@@ -236,34 +236,38 @@ export interface ChannelInput {
   description?: string | {[name: string]: string};
 }
 
-/** offset + amplitude·sin(2π(f0·t + (f1−f0)·t²/(2·duration))); from `duration` on the frequency stays f1. */
+/** offset + amplitude·sin(2π(f0·τ + (f1−f0)·τ²/(2·duration))) with τ = t − start, for 0 ≤ τ < duration. */
 export interface ChirpSignal {
   kind: 'chirp';
   /** Amplitude, in the signal's unit. */
   amplitude: number;
-  /** Frequency at t = 0 in Hz. */
+  /** Frequency at `start` in Hz. */
   f0: number;
-  /** Frequency at `duration` in Hz. */
+  /** Frequency at start + duration in Hz. */
   f1: number;
   /** Length of the sweep in s. */
   duration: number;
   /** Mean value, in the signal's unit. */
   offset: number;
+  /** Start of the sweep in s. */
+  start: number;
 }
 
-/** offset + amplitude·sin(2π(f0·t + (f1−f0)·t²/(2·duration))); from `duration` on the frequency stays f1. */
+/** offset + amplitude·sin(2π(f0·τ + (f1−f0)·τ²/(2·duration))) with τ = t − start, for 0 ≤ τ < duration. */
 export interface ChirpSignalInput {
   kind: 'chirp';
   /** Amplitude, in the signal's unit. */
   amplitude: number;
-  /** Frequency at t = 0 in Hz. */
+  /** Frequency at `start` in Hz. */
   f0: number;
-  /** Frequency at `duration` in Hz. */
+  /** Frequency at start + duration in Hz. */
   f1: number;
   /** Length of the sweep in s. */
   duration: number;
   /** Mean value, in the signal's unit. */
   offset?: number;
+  /** Start of the sweep in s. */
+  start?: number;
 }
 
 /** A button that does something to the session, then runs it. */
@@ -821,9 +825,9 @@ export interface Experiment {
   /** Initial states that differ from the plant's values. */
   initial: {[name: string]: number};
   /** Inputs u(t) and references r(t) that differ from the plant's defaults, by name. */
-  inputs: {[name: string]: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal};
+  inputs: {[name: string]: ConstantSignal | StepsSignal | PulseSignal | SquareSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | NoiseSignal | TableSignal | ExpressionSignal};
   /** Known signals φ(t) that differ from the plant's defaults, by name. */
-  signals: {[name: string]: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal};
+  signals: {[name: string]: ConstantSignal | StepsSignal | PulseSignal | SquareSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | NoiseSignal | TableSignal | ExpressionSignal};
   faults: (StepFault | RampFault | DriftFault | ExponentialFault | SineFault | PulseTrainFault | RandomWalkFault | TableFault | StuckFault | FreezeFault | DropoutFault | OutliersFault | NoiseBurstFault | QuantisationFault | DelayFault)[];
   /** Measurement noise of each output, by name. */
   noise: {[name: string]: Noise};
@@ -866,9 +870,9 @@ export interface ExperimentInput {
   /** Initial states that differ from the plant's values. */
   initial?: {[name: string]: number};
   /** Inputs u(t) and references r(t) that differ from the plant's defaults, by name. */
-  inputs?: {[name: string]: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput};
+  inputs?: {[name: string]: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SquareSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | NoiseSignalInput | TableSignalInput | ExpressionSignalInput};
   /** Known signals φ(t) that differ from the plant's defaults, by name. */
-  signals?: {[name: string]: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput};
+  signals?: {[name: string]: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SquareSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | NoiseSignalInput | TableSignalInput | ExpressionSignalInput};
   faults?: (StepFaultInput | RampFaultInput | DriftFaultInput | ExponentialFaultInput | SineFaultInput | PulseTrainFaultInput | RandomWalkFaultInput | TableFaultInput | StuckFaultInput | FreezeFaultInput | DropoutFaultInput | OutliersFaultInput | NoiseBurstFaultInput | QuantisationFaultInput | DelayFaultInput)[];
   /** Measurement noise of each output, by name. */
   noise?: {[name: string]: NoiseInput};
@@ -1404,7 +1408,7 @@ export interface InputProposal {
   /** The input to change; null: no signal that was tried helps. */
   input: string | null;
   /** The proposed signal, from now on. */
-  signal: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal | null;
+  signal: ConstantSignal | StepsSignal | PulseSignal | SquareSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | NoiseSignal | TableSignal | ExpressionSignal | null;
   /** Smallest eigenvalue with that signal, in (typical fault / its standard deviation)². */
   level: number;
   /** Smallest eigenvalue with the present input. */
@@ -1464,7 +1468,7 @@ export interface KnownSignal {
   unit: string;
   description: string;
   /** The signal if an experiment sets none. */
-  default: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal;
+  default: ConstantSignal | StepsSignal | PulseSignal | SquareSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | NoiseSignal | TableSignal | ExpressionSignal;
 }
 
 /** One known signal φ(t), which observers see. */
@@ -1475,7 +1479,7 @@ export interface KnownSignalInput {
   unit?: string;
   description?: string | {[name: string]: string};
   /** The signal if an experiment sets none. */
-  default?: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput;
+  default?: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SquareSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | NoiseSignalInput | TableSignalInput | ExpressionSignalInput;
 }
 
 /** All lessons. */
@@ -1701,6 +1705,32 @@ export interface NoiseLevel {
   declared: number | null;
   /** Standard deviation estimated from the residual; null: unknown. */
   estimated: number | null;
+}
+
+/** offset + std·ξ, where ξ is drawn from the standard normal distribution every `hold` seconds, by the seed. */
+export interface NoiseSignal {
+  kind: 'noise';
+  /** Standard deviation, in the signal's unit. */
+  std: number;
+  /** Time in s for which each drawn value is held. */
+  hold: number;
+  /** Seed of the sequence. */
+  seed: number;
+  /** Mean value, in the signal's unit. */
+  offset: number;
+}
+
+/** offset + std·ξ, where ξ is drawn from the standard normal distribution every `hold` seconds, by the seed. */
+export interface NoiseSignalInput {
+  kind: 'noise';
+  /** Standard deviation, in the signal's unit. */
+  std: number;
+  /** Time in s for which each drawn value is held. */
+  hold: number;
+  /** Seed of the sequence. */
+  seed?: number;
+  /** Mean value, in the signal's unit. */
+  offset?: number;
 }
 
 /** One equation of an observer as MathML, with its number in the paper. */
@@ -2177,7 +2207,7 @@ export interface PlantTrialRequest {
   /** Initial states that differ. */
   initial?: {[name: string]: number};
   /** Inputs; default: square waves. */
-  inputs?: {[name: string]: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput};
+  inputs?: {[name: string]: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SquareSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | NoiseSignalInput | TableSignalInput | ExpressionSignalInput};
 }
 
 /** Start or resume the clock. */
@@ -2212,6 +2242,8 @@ export interface PrbsSignal {
   hold: number;
   /** Seed of the sequence. */
   seed: number;
+  /** Order of a maximum-length sequence, 2 to 16; null: independent draws. */
+  order: number | null;
 }
 
 /** Pseudo-random binary sequence: every `hold` seconds `low` or `high` is drawn, from the signal's seed. */
@@ -2225,6 +2257,8 @@ export interface PrbsSignalInput {
   hold: number;
   /** Seed of the sequence. */
   seed?: number;
+  /** Order of a maximum-length sequence, 2 to 16; null: independent draws. */
+  order?: number | null;
 }
 
 /** Every gain of every observer of an experiment, by label and name. */
@@ -3361,7 +3395,7 @@ export interface SetSignal {
   at: number;
   /** Name of an input or a known signal of the plant. */
   name: string;
-  signal: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal;
+  signal: ConstantSignal | StepsSignal | PulseSignal | SquareSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | NoiseSignal | TableSignal | ExpressionSignal;
   command: 'set-signal';
 }
 
@@ -3371,7 +3405,7 @@ export interface SetSignalInput {
   at: number;
   /** Name of an input or a known signal of the plant. */
   name: string;
-  signal: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput;
+  signal: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SquareSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | NoiseSignalInput | TableSignalInput | ExpressionSignalInput;
   command: 'set-signal';
 }
 
@@ -3381,7 +3415,7 @@ export interface SetSignalNow {
   id: number;
   /** Name of an input or a known signal of the plant. */
   name: string;
-  signal: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput;
+  signal: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SquareSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | NoiseSignalInput | TableSignalInput | ExpressionSignalInput;
   type: 'set-signal';
 }
 
@@ -3466,6 +3500,25 @@ export interface Settling {
   time: number | null;
   /** Time in s at which the evaluation ends: the next event, or the end of the run. */
   until: number;
+}
+
+/** Points of a signal: straight lines between them are what a figure with that many columns shows. */
+export interface SignalCurve {
+  /** Times in s, in order; a jump has both limits at one time. */
+  t: (number)[];
+  /** Values at these times, in the signal's unit. */
+  values: (number)[];
+}
+
+/** A signal, and the span that a figure shows. */
+export interface SignalCurveRequest {
+  signal: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SquareSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | NoiseSignalInput | TableSignalInput | ExpressionSignalInput;
+  /** Start of the span in s. */
+  start: number;
+  /** End of the span in s. */
+  end: number;
+  /** Columns of the figure. */
+  places?: number;
 }
 
 /** A kind of signal with its fields. */
@@ -3556,6 +3609,32 @@ export interface Speed {
   id: number;
   type: 'speed';
   value: number | null;
+}
+
+/** Square wave: offset + amplitude on [start + k·period, start + (k + ½)·period), otherwise offset − amplitude. */
+export interface SquareSignal {
+  kind: 'square';
+  /** Half the height of the jumps, in the signal's unit. */
+  amplitude: number;
+  /** Period in s. */
+  period: number;
+  /** Start of one of the upper halves in s. */
+  start: number;
+  /** Mean value, in the signal's unit. */
+  offset: number;
+}
+
+/** Square wave: offset + amplitude on [start + k·period, start + (k + ½)·period), otherwise offset − amplitude. */
+export interface SquareSignalInput {
+  kind: 'square';
+  /** Half the height of the jumps, in the signal's unit. */
+  amplitude: number;
+  /** Period in s. */
+  period: number;
+  /** Start of one of the upper halves in s. */
+  start?: number;
+  /** Mean value, in the signal's unit. */
+  offset?: number;
 }
 
 /** One state variable. */

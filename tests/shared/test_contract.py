@@ -67,14 +67,15 @@ def test_every_schema_refuses_unknown_fields(schema: type[Strict]) -> None:
 
 
 def test_examples_cover_every_kind_of_signal_and_fault() -> None:
-    """The nine signals and fifteen fault shapes are distinguished by one field."""
+    """The eleven signals and fifteen fault shapes are distinguished by one field."""
     signals = {
         s.model_fields["kind"].default for s in SCHEMAS if s.__module__ == "thetascope_schemas.experiment.signals"
     }
     faults = {
         s.model_fields["shape"].default for s in SCHEMAS if s.__module__ == "thetascope_schemas.experiment.faults"
     }
-    assert signals == {"constant", "steps", "pulse", "sine", "ramp", "chirp", "prbs", "table", "expression"}
+    smooth = {"sine", "ramp", "chirp", "table", "expression"}
+    assert signals == smooth | {"constant", "steps", "pulse", "square", "prbs", "noise"}
     inside = "step ramp drift exponential sine pulse-train random-walk table"
     outside = "stuck freeze dropout outliers noise-burst quantisation delay"
     assert faults == set(f"{inside} {outside}".split())

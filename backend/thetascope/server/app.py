@@ -36,7 +36,7 @@ from thetascope.api.routes import (
 )
 from thetascope.api.routes.figures import printed_figures
 from thetascope.api.routes.learning import course, questions
-from thetascope.api.routes.models import equations, gain_defaults, plant_trial
+from thetascope.api.routes.models import equations, gain_defaults, plant_trial, signal_curve
 from thetascope.api.routes.notebook import run_comparison, run_lines
 from thetascope.api.sign_in.require_key import RequireKey
 from thetascope.engine.compiler import cache
@@ -115,6 +115,7 @@ def _api() -> APIRouter:
         plant_trial,
         equations,
         gain_defaults,
+        signal_curve,
         questions,
         course,
         messages,

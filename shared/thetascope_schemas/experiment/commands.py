@@ -3,14 +3,16 @@
 An experiment with the timed commands of a live session reproduces the numbers of that session.
 """
 
+from collections.abc import Iterable
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
-from thetascope_schemas.experiment.base import Instant, NonNegative, Positive, Reference, Strict, example
+from thetascope_schemas.experiment.base import MAX_POINTS, Instant, NonNegative, Positive, Reference, Strict, example
 from thetascope_schemas.experiment.measurement import Truth
 from thetascope_schemas.experiment.observers import Gain, Label, ObserverConfig
-from thetascope_schemas.experiment.signals import Signal
+from thetascope_schemas.experiment.signals import Signal, points_of
+from thetascope_schemas.texts.refusal import refuse
 
 
 class Timed(Strict):
@@ -125,6 +127,21 @@ TimedCommand = Annotated[
 MAX_COMMANDS = 2000
 
 
+def points_in(commands: Iterable[TimedCommand]) -> int:
+    """Return the number of points that the signals of commands list; together they may have MAX_POINTS."""
+    return sum(points_of(command.signal) for command in commands if isinstance(command, SetSignal))
+
+
+def _few_points(commands: tuple[TimedCommand, ...]) -> tuple[TimedCommand, ...]:
+    """Return commands; refuse them if their signals list more than MAX_POINTS points together."""
+    if (points := points_in(commands)) > MAX_POINTS:
+        raise refuse("command.points.many", value=points, points=points, limit=MAX_POINTS)
+    return commands
+
+
+TimedCommands = Annotated[tuple[TimedCommand, ...], Field(max_length=MAX_COMMANDS), AfterValidator(_few_points)]
+"""All timed commands of an experiment."""
+
 __all__ = [
     "MAX_COMMANDS",
     "AddObserver",
@@ -138,5 +155,7 @@ __all__ = [
     "SetTruth",
     "SignalChange",
     "TimedCommand",
+    "TimedCommands",
     "TruthChange",
+    "points_in",
 ]

@@ -25,7 +25,7 @@ from thetascope_schemas.experiment.base import (
     check_known,
     example,
 )
-from thetascope_schemas.experiment.commands import MAX_COMMANDS, AddObserver, OfTruth, SetTruth, TimedCommand
+from thetascope_schemas.experiment.commands import AddObserver, OfTruth, SetTruth, TimedCommands
 from thetascope_schemas.experiment.controllers import check_multiple, set_reference
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 from thetascope_schemas.experiment.faults import Fault
@@ -139,10 +139,8 @@ class Experiment(Strict):
         default_factory=Truth, description="Where the simulated plant differs from the model that observers know."
     )
     observers: tuple[ObserverConfig, ...] = Field(default=(), max_length=MAX_OBSERVERS)
-    commands: tuple[TimedCommand, ...] = Field(
-        default=(),
-        max_length=MAX_COMMANDS,
-        description="Changes during the run other than faults, in order of time.",
+    commands: TimedCommands = Field(
+        default=(), description="Changes during the run other than faults, in order of time."
     )
     diagnosis: DiagnosisSettings = Field(default_factory=DiagnosisSettings, description="Settings of the diagnosis.")
     figures: tuple[Figure, ...] = Field(default=(), max_length=24)

@@ -1,12 +1,13 @@
 """Time functions: inputs u(t) and known signals φ(t). The value at a jump is the right limit."""
 
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
 from thetascope_schemas.experiment.base import (
     MAX_POINTS,
+    MAX_TIME,
     ExpressionText,
     NonNegative,
     Number,
@@ -18,6 +19,7 @@ from thetascope_schemas.experiment.base import (
 from thetascope_schemas.texts.refusal import refuse
 
 Points = Annotated[tuple[Number, ...], Field(min_length=1, max_length=MAX_POINTS)]
+Start = Annotated[float, Field(strict=True, ge=-MAX_TIME, le=MAX_TIME, allow_inf_nan=False)]
 Interpolation = Literal["hold", "linear"]
 
 
@@ -87,6 +89,18 @@ class PulseSignal(Strict):
         return self
 
 
+class SquareSignal(Strict):
+    """Square wave: offset + amplitude on [start + k·period, start + (k + ½)·period), otherwise offset − amplitude."""
+
+    model_config = example(kind="square", amplitude=0.01, period=12, start=0, offset=0.08)
+
+    kind: Literal["square"] = "square"
+    amplitude: Number = Field(description="Half the height of the jumps, in the signal's unit.")
+    period: Positive = Field(description="Period in s.")
+    start: Start = Field(default=0.0, description="Start of one of the upper halves in s.")
+    offset: Number = Field(default=0.0, description="Mean value, in the signal's unit.")
+
+
 class SineSignal(Strict):
     """offset + amplitude·sin(2π·frequency·t + phase)."""
 
@@ -118,28 +132,53 @@ class RampSignal(Strict):
 
 
 class ChirpSignal(Strict):
-    """offset + amplitude·sin(2π(f0·t + (f1−f0)·t²/(2·duration))); from `duration` on the frequency stays f1."""
+    """offset + amplitude·sin(2π(f0·τ + (f1−f0)·τ²/(2·duration))) with τ = t − start, for 0 ≤ τ < duration.
+
+    Before `start` the frequency is f0, from start + duration on it is f1.
+    """
 
     model_config = example(kind="chirp", amplitude=1, f0=0.1, f1=5, duration=60, offset=0)
+    optional: ClassVar[frozenset[str]] = frozenset({"start"})
 
     kind: Literal["chirp"] = "chirp"
     amplitude: Number = Field(description="Amplitude, in the signal's unit.")
-    f0: NonNegative = Field(description="Frequency at t = 0 in Hz.")
-    f1: NonNegative = Field(description="Frequency at `duration` in Hz.")
+    f0: NonNegative = Field(description="Frequency at `start` in Hz.")
+    f1: NonNegative = Field(description="Frequency at start + duration in Hz.")
     duration: Positive = Field(description="Length of the sweep in s.")
     offset: Number = Field(default=0.0, description="Mean value, in the signal's unit.")
+    start: Start = Field(default=0.0, description="Start of the sweep in s.")
 
 
 class PrbsSignal(Strict):
-    """Pseudo-random binary sequence: every `hold` seconds `low` or `high` is drawn, from the signal's seed."""
+    """Pseudo-random binary sequence: every `hold` seconds `low` or `high` is drawn, from the signal's seed.
+
+    With an `order` n the sequence is a maximum-length sequence, which repeats after (2^n − 1)·hold seconds and has a
+    flat spectrum; the seed is then the place in the sequence at t = 0 (modulo its length).
+    """
 
     model_config = example(kind="prbs", low=-1, high=1, hold=0.5, seed=7)
+    optional: ClassVar[frozenset[str]] = frozenset({"order"})
 
     kind: Literal["prbs"] = "prbs"
     low: Number = Field(default=-1.0, description="First of the two values.")
     high: Number = Field(default=1.0, description="Second of the two values.")
     hold: Positive = Field(description="Time in s for which each drawn value is held.")
     seed: Seed = Field(default=0, description="Seed of the sequence.")
+    order: Annotated[int, Field(strict=True, ge=2, le=16)] | None = Field(
+        default=None, description="Order of a maximum-length sequence, 2 to 16; null: independent draws."
+    )
+
+
+class NoiseSignal(Strict):
+    """offset + std·ξ, where ξ is drawn from the standard normal distribution every `hold` seconds, by the seed."""
+
+    model_config = example(kind="noise", std=0.005, hold=0.5, seed=7, offset=0.08)
+
+    kind: Literal["noise"] = "noise"
+    std: NonNegative = Field(description="Standard deviation, in the signal's unit.")
+    hold: Positive = Field(description="Time in s for which each drawn value is held.")
+    seed: Seed = Field(default=0, description="Seed of the sequence.")
+    offset: Number = Field(default=0.0, description="Mean value, in the signal's unit.")
 
 
 class TableSignal(Strict):
@@ -174,12 +213,19 @@ Signal = Annotated[
     ConstantSignal
     | StepsSignal
     | PulseSignal
+    | SquareSignal
     | SineSignal
     | RampSignal
     | ChirpSignal
     | PrbsSignal
+    | NoiseSignal
     | TableSignal
     | ExpressionSignal,
     Field(discriminator="kind"),
 ]
 """Any time function, distinguished by `kind`."""
+
+
+def points_of(signal: object) -> int:
+    """Return the number of points that a signal lists; 0 for all other objects."""
+    return len(signal.values) if isinstance(signal, StepsSignal | TableSignal) else 0

@@ -5,6 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import scipy.signal
+import scipy.stats
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,6 +15,15 @@ from thetascope.engine.inputs import signals
 from thetascope.engine.inputs.signals import Signal, gated, signal, total
 
 END = 10.0
+
+
+def chirp_cycles(run: float, f0: float, f1: float, duration: float) -> float:
+    """Return the cycles of a chirp after `run` s, by the trapezoidal rule, which is exact for a linear frequency."""
+    times = np.array([0.0, run] if run < duration else [0.0, duration, run])
+    frequency = np.interp(times, [0, duration], [f0, f1])
+    return float(np.trapezoid(frequency, times))
+
+
 FORMULAS: list[tuple[dict, Callable[[float], float]]] = [
     ({"kind": "constant", "value": 0.08}, lambda t: 0.08),
     ({"kind": "steps", "times": [2, 5.5], "values": [1, -2, 3]}, lambda t: 1 if t < 2 else -2 if t < 5.5 else 3),
@@ -35,6 +46,18 @@ FORMULAS: list[tuple[dict, Callable[[float], float]]] = [
         lambda t: 1 + 2 * np.sin(2 * np.pi * (0.2 * t + 0.15 * t**2 if t < 4 else 3.2 + 1.4 * (t - 4))),
     ),
     (
+        {"kind": "chirp", "amplitude": 2, "f0": 0.4, "f1": 1.6, "duration": 4, "offset": 1, "start": 3.3},
+        lambda t: 1 + 2 * np.sin(2 * np.pi * chirp_cycles(t - 3.3, 0.4, 1.6, 4)),
+    ),
+    (
+        {"kind": "square", "amplitude": 2, "period": 1.7, "start": 4.1, "offset": 1},
+        lambda t: 1 + 2 * float(scipy.signal.square(2 * np.pi * (t - 4.1) / 1.7)),
+    ),
+    (
+        {"kind": "square", "amplitude": -0.5, "period": 30, "start": -7},
+        lambda t: -0.5 * float(scipy.signal.square(2 * np.pi * (t + 7) / 30)),
+    ),
+    (
         {"kind": "table", "times": [1, 2, 4], "values": [3, 5, -1], "interpolation": "linear"},
         lambda t: float(np.interp(t, [1, 2, 4], [3, 5, -1])),
     ),
@@ -47,7 +70,9 @@ FORMULAS: list[tuple[dict, Callable[[float], float]]] = [
 ]
 IDS = [f"{data['kind']}-{i}" for i, (data, _) in enumerate(FORMULAS)]
 HELD = [data for data, _ in FORMULAS if signal(data).held] + [
-    {"kind": "prbs", "low": -1, "high": 2, "hold": 0.3, "seed": 5}
+    {"kind": "prbs", "low": -1, "high": 2, "hold": 0.3, "seed": 5},
+    {"kind": "prbs", "low": -1, "high": 2, "hold": 0.3, "seed": 5, "order": 5},
+    {"kind": "noise", "std": 0.5, "hold": 0.3, "seed": 5, "offset": 2},
 ]
 
 
@@ -123,6 +148,61 @@ def test_prbs_is_binary_fair_and_depends_on_its_seed():
     assert abs(np.mean(values[1:] == values[:-1]) - 0.5) < 0.03
     assert abs(np.mean(at(make(2), times) == values) - 0.5) < 0.03
     np.testing.assert_array_equal(at(make(1), times[100:110]), values[100:110])
+
+
+@pytest.mark.parametrize("order", range(2, 17))
+def test_a_prbs_with_an_order_is_the_maximum_length_sequence(order: int):
+    """The same bits as SciPy's over one period and into the next; the seed shifts it."""
+    bits = scipy.signal.max_len_seq(order)[0]
+    times = 0.5 * (np.arange(min(len(bits) + 20, 3000)) + 0.5)
+    for seed in (0, 3, 2**53 - 1):
+        s = signal({"kind": "prbs", "low": -1, "high": 2, "hold": 0.5, "seed": seed, "order": order})
+        expected = np.where(bits[(np.arange(len(times)) + seed) % len(bits)] > 0, 2.0, -1.0)
+        np.testing.assert_array_equal(at(s, times), expected)
+
+
+def test_a_maximum_length_sequence_has_a_flat_spectrum():
+    """All frequencies but 0 have the same power, to rounding; independent draws have not."""
+    times = 0.5 * (np.arange(1023) + 0.5)
+    data = {"kind": "prbs", "low": -1, "high": 1, "hold": 0.5, "seed": 4}
+    power = np.abs(np.fft.rfft(at(signal(data | {"order": 10}), times)))[1:] ** 2
+    np.testing.assert_allclose(power, 1024, rtol=1e-9)
+    assert np.ptp(np.abs(np.fft.rfft(at(signal(data), times)))[1:] ** 2) > 1024
+
+
+@pytest.mark.parametrize("phase", [0.0, 1.1])
+def test_a_chirp_is_that_of_scipy_while_it_sweeps(phase: float):
+    """scipy.signal.chirp is a cosine: a sine is the same 90° later; here the sweep begins at 1.5 s."""
+    times = np.linspace(1.5, 9.4, 999)
+    s = signal({"kind": "chirp", "amplitude": 2, "f0": 0.2, "f1": 3, "duration": 8, "offset": phase, "start": 1.5})
+    np.testing.assert_allclose(
+        at(s, times), phase + 2 * scipy.signal.chirp(times - 1.5, 0.2, 8, 3, phi=-90), rtol=0, atol=1e-11
+    )
+
+
+def test_noise_is_gaussian_white_and_depends_on_its_seed():
+    """Kolmogorov–Smirnov, variance and lag-one correlation over 4000 draws; draws do not depend on their block."""
+
+    def make(seed: int):
+        return signal({"kind": "noise", "std": 0.5, "hold": 0.5, "seed": seed, "offset": 2})
+
+    times = 0.25 + 0.5 * np.arange(4000)
+    values = at(make(1), times)
+    scaled = (values - 2) / 0.5
+    assert scipy.stats.kstest(scaled, "norm").pvalue > 0.01
+    assert abs(np.mean(scaled[1:] * scaled[:-1])) < 0.06 and abs(np.mean(scaled * (at(make(2), times) - 2))) < 0.03
+    np.testing.assert_array_equal(at(make(1), times[1234:1300]), values[1234:1300])
+
+
+@pytest.mark.parametrize("start", [-1e308, 1e308, 1e30, -1e30])
+@pytest.mark.parametrize(
+    "shape", [{"kind": "pulse", "low": 0, "high": 1, "width": 5e-4}, {"kind": "square", "amplitude": 1}]
+)
+def test_a_start_beyond_double_precision_ends_nothing(start: float, shape: dict):
+    """Pulses and square waves that begin at absurd times have finite values, in no time."""
+    if shape["kind"] == "pulse" or abs(start) <= 1e30:  # the schema of a square wave has no greater ones
+        s = signal({**shape, "period": 1e-3, "start": start})
+        assert len(s.breaks(0.0, 1.0)) <= 4000 and np.isfinite(at(s, np.linspace(0.0, 1.0, 50))).all()
 
 
 def test_a_sum_has_the_values_and_breaks_of_all_its_parts():

@@ -11,6 +11,7 @@ from thetascope.runs.specs.run_requests import RunRequest
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.figures.printed_figure import PrintSettings
+from thetascope_schemas.service.figures.signal_curve import SignalCurveRequest
 from thetascope_schemas.service.learning.judged import JudgeRequest
 from thetascope_schemas.service.notebook.comparison import ComparisonNotes
 from thetascope_schemas.service.notebook.lines import RunNotes
@@ -38,6 +39,7 @@ BODIES = (
     Experiment,
     Plant,
     PlantTrialRequest,
+    SignalCurveRequest,
     FaultPatternRequest,
     TextEdit,
     Record,

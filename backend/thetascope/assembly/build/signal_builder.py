@@ -7,9 +7,10 @@ import numpy as np
 
 from thetascope.assembly.build.recorded_truth import recorded_signals
 from thetascope.engine.errors import SpecError
-from thetascope.engine.inputs import fault_signals, signals
+from thetascope.engine.inputs import curve, fault_signals, signals
 from thetascope_schemas import Input, Plant, ResolvedExperiment
 from thetascope_schemas.experiment.controllers import SetPoint
+from thetascope_schemas.service.figures.signal_curve import SignalCurve, SignalCurveRequest
 
 
 def plant_parameters(spec: ResolvedExperiment) -> dict[str, float]:
@@ -55,6 +56,20 @@ def signals_of(
         name = f"theta.{c.name}"
         built[name] = known.get(name) or fault_signals.theta(c.name, _plain(spec, c.name), spec.seed)
     return built | {f"r.{r.name}": commanded(f"r.{r.name}", r) for r in plant.references}
+
+
+def curve_of(request: SignalCurveRequest) -> SignalCurve:
+    """Return the curve of a signal. Raises SpecError where its text is no function of the time."""
+    given = request.signal
+    interval = getattr(given, "hold", getattr(given, "period", None))
+    jumps = 2.0 if hasattr(given, "period") else 1.0
+    shortest = None if interval is None else interval / jumps
+    built = _signal(given, "signal")
+    with np.errstate(all="ignore"):  # values beyond double precision are left out
+        points = curve.curve(built, request.start, request.end, request.places, shortest)
+    finite = np.isfinite(points).all(axis=0)
+    t, values = points[:, finite].tolist()
+    return SignalCurve(t=tuple(t), values=tuple(values))
 
 
 def _plain(spec: ResolvedExperiment, channel: str) -> list[dict]:

@@ -7,6 +7,7 @@ step never reaches across a discontinuity, whatever the rounding of a switching 
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from thetascope.engine.inputs import random_streams
 from thetascope.engine.programs.program_store import time_program
 
 _FAR = 10**7  # maximum number of switching times in one span
+_RESOLVED = 2.0**52  # periods after the start from which on double precision has no switching times
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,8 @@ def steps(times: list[float], values: list[float]) -> Signal:
 
 def _every(start: float, period: float, a: float, b: float) -> np.ndarray:
     """Return all start + k·period in (a, b), k ≥ 0. Raises ValueError if there are more than 10⁷."""
+    if b <= start or a - start > _RESOLVED * period:
+        return np.empty(0)
     first, last = max(0, int(np.ceil((a - start) / period))), int(np.floor((b - start) / period))
     if last - first > _FAR:
         raise ValueError(f"a signal of period {period:g} s switches more than {_FAR} times")
@@ -77,6 +81,18 @@ def pulse(low: float, high: float, period: float, width: float, start: float = 0
     return Signal(value, breaks, True)
 
 
+def square(amplitude: float, period: float, start: float = 0.0, offset: float = 0.0) -> Signal:
+    """Return offset + amplitude on [start + k·period, start + (k + ½)·period), otherwise offset − amplitude."""
+    half = 0.5 * period
+    first = -np.mod(-start, half)  # the last jump at or before t = 0
+
+    def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
+        upper = np.mod(np.floor((anchor - start) / half), 2.0) == 0.0
+        return np.where(upper, offset + amplitude, offset - amplitude)
+
+    return Signal(value, lambda a, b: _every(first, half, a, b), True)
+
+
 def sine(amplitude: float, frequency: float, phase: float = 0.0, offset: float = 0.0) -> Signal:
     """Return offset + amplitude · sin(2π·frequency·t + phase); frequency in Hz, phase in rad."""
     return Signal(lambda t, anchor: offset + amplitude * np.sin(2 * np.pi * frequency * t + phase), _no_breaks, False)
@@ -94,22 +110,75 @@ def ramp(start: float, slope: float, initial: float = 0.0, end: float | None = N
     return Signal(value, lambda a, b: _within(edges, a, b), False)
 
 
-def chirp(amplitude: float, f0: float, f1: float, duration: float, offset: float = 0.0) -> Signal:
-    """Return a sine whose frequency changes linearly from f0 to f1 (Hz) in ``duration`` seconds and then stays f1."""
+def chirp(amplitude: float, f0: float, f1: float, duration: float, offset: float = 0.0, start: float = 0.0) -> Signal:
+    """Return a sine whose frequency changes linearly from f0 to f1 (Hz) in ``duration`` seconds from ``start`` on.
+
+    Before ``start`` (s) the frequency is f0, afterwards it stays f1.
+    """
+    end = start + duration
 
     def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
-        sweeping = f0 * t + (f1 - f0) / (2 * duration) * t**2
-        cycles = np.where(anchor < duration, sweeping, 0.5 * (f0 + f1) * duration + f1 * (t - duration))
+        run = t - start
+        sweeping = f0 * run + (f1 - f0) / (2 * duration) * run**2
+        swept = 0.5 * (f0 + f1) * duration + f1 * (run - duration)
+        cycles = np.where(anchor < start, f0 * run, np.where(anchor < end, sweeping, swept))
         return offset + amplitude * np.sin(2 * np.pi * cycles)
 
-    return Signal(value, lambda a, b: _within(np.array([duration]), a, b), False)
+    return Signal(value, lambda a, b: _within(np.array([start, end]), a, b), False)
 
 
-def prbs(low: float, high: float, hold: float, seed: int = 0) -> Signal:
-    """Return a pseudo-random binary sequence: low or high with equal probability, drawn every ``hold`` seconds."""
-    return _random_held(
-        hold, lambda first, count: np.where(random_streams.uniform((seed, 7), first, count) < 0.5, low, high)
-    )
+def prbs(low: float, high: float, hold: float, seed: int = 0, order: int | None = None) -> Signal:
+    """Return a pseudo-random binary sequence, held for ``hold`` seconds: low or high with equal probability.
+
+    With an order it is a maximum-length sequence, of which ``seed`` is the place at t = 0.
+    """
+    if order is None:
+        return _random_held(
+            hold, lambda first, count: np.where(random_streams.uniform((seed, 7), first, count) < 0.5, low, high)
+        )
+    bits = _maximum_length(order)
+
+    def level(first: int, count: int) -> np.ndarray:
+        return np.where(bits[(np.arange(first, first + count) + seed) % len(bits)], high, low)
+
+    return _random_held(hold, level)
+
+
+_TAPS = {
+    2: (1,),
+    3: (2,),
+    4: (3,),
+    5: (3,),
+    6: (5,),
+    7: (6,),
+    8: (7, 6, 1),
+    9: (5,),
+    10: (7,),
+    11: (9,),
+    12: (11, 10, 4),
+    13: (12, 11, 8),
+    14: (13, 12, 2),
+    15: (14,),
+    16: (15, 13, 4),
+}
+"""Taps of shift registers of maximum length: bit k + n is the sum modulo 2 of bit k and the bits k + tap."""
+
+
+@lru_cache(maxsize=4)
+def _maximum_length(order: int) -> np.ndarray:
+    """Return one period of the maximum-length sequence of an order n as booleans (2^n − 1,); it begins with n ones."""
+    bits = [1] * order
+    for k in range(2**order - 1 - order):
+        bit = bits[k]
+        for tap in _TAPS[order]:
+            bit ^= bits[k + tap]
+        bits.append(bit)
+    return np.array(bits, dtype=bool)
+
+
+def noise(std: float, hold: float, seed: int = 0, offset: float = 0.0) -> Signal:
+    """Return Gaussian noise around ``offset``, a new draw every ``hold`` seconds."""
+    return _random_held(hold, lambda first, count: offset + std * random_streams.normal((seed, 13), first, count))
 
 
 def _random_held(hold: float, level: Callable[[int, int], np.ndarray], start: float = 0.0) -> Signal:
@@ -163,10 +232,12 @@ _KINDS = {
     "constant": constant,
     "steps": steps,
     "pulse": pulse,
+    "square": square,
     "sine": sine,
     "ramp": ramp,
     "chirp": chirp,
     "prbs": prbs,
+    "noise": noise,
     "table": table,
     "expression": expression,
 }

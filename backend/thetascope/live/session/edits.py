@@ -4,6 +4,7 @@ from thetascope.assembly.build.timed_commands import after_commands, changed
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
 from thetascope_schemas import ResolvedExperiment
+from thetascope_schemas.experiment.base import MAX_POINTS
 from thetascope_schemas.experiment.commands import (
     MAX_COMMANDS,
     AddObserver,
@@ -14,6 +15,7 @@ from thetascope_schemas.experiment.commands import (
     SetSignal,
     SetTruth,
     TimedCommand,
+    points_in,
 )
 from thetascope_schemas.experiment.faults import Fault
 from thetascope_schemas.service.session import (
@@ -112,10 +114,8 @@ def with_command(
         _check_truth(here, timed)
     after = changed(here, timed)
     earlier = [c for c in spec.commands if c.at <= at]
-    if isinstance(timed, SetGain):  # of a slider that is dragged, the last value within one row counts
-        earlier = [c for c in earlier if not _same_gain(c, timed)]
-    if isinstance(timed, SetTruth):
-        earlier = [c for c in earlier if not (isinstance(c, SetTruth) and c.at == timed.at)]
+    # of a slider that is dragged, the last value within one row counts
+    earlier = [c for c in earlier if c.at < timed.at or not _replaces(timed, c)]
     later = [c for c in spec.commands if c.at > at]
     return spec.model_copy(update={"commands": (*earlier, timed, *later)}), after
 
@@ -128,13 +128,18 @@ def _check_truth(here: ResolvedExperiment, command: SetTruth) -> None:
     here.model_copy(update={"truth": command.truth, "figures": ()}).with_plant(here.plant)
 
 
-def _same_gain(command: TimedCommand, other: SetGain) -> bool:
-    """Whether a command sets the same gain at the same time as another."""
-    return isinstance(command, SetGain) and (command.at, command.observer, command.gain) == (
-        other.at,
-        other.observer,
-        other.gain,
-    )
+def _replaces(command: TimedCommand, other: TimedCommand) -> bool:
+    """Return whether a command sets what another one sets, so that at the same time only the later one counts."""
+    match command, other:
+        case SetGain(), SetGain():
+            return (command.observer, command.gain) == (other.observer, other.gain)
+        case SetSignal(), SetSignal():
+            return command.name == other.name
+        case SetNoise(), SetNoise():
+            return command.output == other.output
+        case SetTruth(), SetTruth():
+            return True
+    return False
 
 
 def checked(spec: ResolvedExperiment, before: ResolvedExperiment) -> ResolvedExperiment:
@@ -146,6 +151,8 @@ def checked(spec: ResolvedExperiment, before: ResolvedExperiment) -> ResolvedExp
     if spec.faults is before.faults:  # commands are checked where they are carried out; their order is right
         if len(spec.commands) > MAX_COMMANDS:
             raise SpecError("commands", len(spec.commands), Message("session.commands.many", limit=MAX_COMMANDS))
+        if spec.commands is not before.commands and (points := points_in(spec.commands)) > MAX_POINTS:
+            raise SpecError("signal", points, Message("command.points.many", points=points, limit=MAX_POINTS))
         return spec
     complete = spec.model_copy(update={"figures": ()}).with_plant(spec.plant)
     return complete.model_copy(update={"figures": spec.figures})

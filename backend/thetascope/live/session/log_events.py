@@ -8,6 +8,7 @@ from pydantic import JsonValue
 from thetascope.assembly.analyses.record_run import alarms_on_record
 from thetascope.diagnosis.evaluation.verdicts import fault_ids
 from thetascope.messages import Argument, Message
+from thetascope.runs.specs.signal_words import signal_values, signal_words
 from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.experiment.base import Text
 from thetascope_schemas.experiment.commands import (
@@ -125,8 +126,8 @@ def _described(command: SpecCommand | TimedCommand) -> tuple[EventKind, str, Jso
             message = Message("event.gain", observer=command.observer, gain=command.gain, value=command.value)
             return "gain", command.observer, gain, message
         case SetSignalNow() | SetSignal():
-            signal = command.signal.model_dump(mode="json")
-            return "signal", command.name, signal, Message("event.signal", signal=command.name)
+            message = Message("event.signal", signal=command.name, shape=signal_words(command.signal))
+            return "signal", command.name, signal_values(command.signal), message
         case SetNoiseNow() | SetNoise():
             message = Message("event.noise", output=command.output, std=command.std)
             return "noise", command.output, command.std, message
