@@ -9,6 +9,7 @@ const PANELS = [
   ['panel-title', 'header/title'],
   ['panel-plant', 'plant/plant'],
   ['panel-truth', 'truth/truth'],
+  ['panel-inputs', 'inputs/inputs'],
   ['panel-inject', 'inject/inject'],
   ['panel-try', 'try'],
   ['panel-diagnosis', 'diagnosis'],

@@ -8,6 +8,7 @@ import {say, t} from '../../i18n/words.js';
 
 /** @import {Plant} from '../../pages/types.js' */
 /** @import {Event, FaultInput, Gain} from '../types.js' */
+/** @import {Message} from '../../i18n/render.js' */
 /** @import * as service from '../../types/service.js' */
 
 /** @typedef {{[gain: string]: string}} Signs   the symbols of the observers' gains */
@@ -21,7 +22,7 @@ const DRAGGED = 5; // s between two values of one slider that are shown as one
 
 /**
  * Lines for the log, newest first by the time at which each event happened: an alarm, for example, is reported later
- * than it was raised. A gain or a noise level that was dragged is one line. `signs`: the symbols of the observers'
+ * than it was raised. A gain, a noise level or an input that was dragged is one line. `signs`: the symbols of the observers'
  * gains.
  * @param {Event[]} log
  * @param {Plant | null} plant
@@ -56,12 +57,12 @@ export function lines(log, plant, signs = {}, most = 200) {
 const gainOf = ({value}) => /** @type {Partial<GainSet> | null} */ (value)?.gain;
 
 /**
- * Whether a slider went on from a gain, a noise or a truth to the next.
+ * Whether a slider went on from a gain, a noise, a truth or an input to the next.
  * @param {Event} event
  * @param {Event | undefined} next
  */
 const dragged = (event, next) =>
-  ['gain', 'noise', 'truth'].includes(event.kind) &&
+  ['gain', 'noise', 'truth', 'signal'].includes(event.kind) &&
   next?.kind === event.kind &&
   next.subject === event.subject &&
   gainOf(next) === gainOf(event) &&
@@ -120,7 +121,10 @@ const WORDS = {
     const {gain, value: size} = /** @type {GainSet} */ (value);
     return t('page.events.gain', {gain: signs[gain] ?? plain(gain), label: subject, size: valueText(size)});
   },
-  signal: ({name}) => t('page.events.signal', {name}),
+  signal: ({event, name}) => {
+    const {shape} = /** @type {{shape?: Message}} */ (event.message.args);
+    return shape ? t('page.events.signal-shape', {name, shape: say(shape)}) : t('page.events.signal', {name});
+  },
   noise: ({event, name}) => t('page.events.noise', {name, size: valueText(event.value)}),
   truth: ({event, plant}) => {
     const parts = differences(complete(/** @type {service.Truth} */ (event.value)), plant);
