@@ -6,10 +6,7 @@ import {linear, logarithmic, nice} from '../slider-scale.js';
 /** @import * as service from '../../types/service.js' */
 
 /** @typedef {service.SetSignal['signal']} Signal */
-/**
- * The fields of a signal by name.
- * @typedef {{kind: string, [field: string]: any}} Fields
- */
+/** @typedef {{[field: string]: number}} Numbers   the numbers among the fields of a signal */
 
 /**
  * The values and times that an input may have.
@@ -51,13 +48,16 @@ export const SHAPES = [
 
 const MOST_STEPS = 200;
 
+/** @param {Signal} signal */
+const numbersOf = (signal) => /** @type {Numbers} */ (/** @type {unknown} */ (signal));
+
 /**
  * Mean, half height and period of a signal, where its shape has them.
  * @param {Signal} signal
  * @returns {{around?: number, size?: number, period?: number}}
  */
 export function traits(signal) {
-  const s = /** @type {Fields} */ (signal);
+  const s = numbersOf(signal);
   switch (signal.kind) {
     case 'constant':
       return {around: s.value};
@@ -79,7 +79,7 @@ export function traits(signal) {
       return {around: s.initial};
     case 'steps':
     case 'table': {
-      const [low, high] = extent(s.values);
+      const [low, high] = extent(signal.values);
       return {around: (low + high) / 2, size: (high - low) / 2};
     }
     default:
@@ -112,7 +112,7 @@ export function begun(shape, before, room, now) {
   const size = known.size || nice((free > 0 ? free : room.high - room.low) / 4) || 1;
   const period = known.period ?? nice(room.horizon / 10);
   const start = short(now);
-  /** @type {{[shape: string]: () => Fields}} */
+  /** @type {{[shape: string]: () => Signal}} */
   const made = {
     constant: () => ({kind: 'constant', value: around}),
     square: () => ({kind: 'square', amplitude: size, period, start: now, offset: around}),
@@ -146,7 +146,7 @@ export function begun(shape, before, room, now) {
     }),
     expression: () => ({kind: 'expression', text: `${around} + ${size}*sin(${short((2 * Math.PI) / period)}*t)`}),
   };
-  return /** @type {Signal} */ (made[shape === 'drawn' ? 'constant' : shape]());
+  return made[shape === 'drawn' ? 'constant' : shape]();
 }
 
 /**
@@ -207,9 +207,9 @@ export function stairsOf(signal) {
  * @returns {Slider[]}
  */
 export function sliders(signal, room) {
-  const s = /** @type {Fields} */ (signal);
+  const s = numbersOf(signal);
   /** @param {object} changes */
-  const changed = (changes) => /** @type {Signal} */ ({...s, ...changes});
+  const changed = (changes) => /** @type {Signal} */ ({...signal, ...changes});
   const height = room.high - room.low;
   const level = linear(room.low, room.high);
   const most = Math.max(room.horizon, 20 * room.step);
@@ -303,7 +303,8 @@ export function sliders(signal, room) {
       const stairs = stairsOf(signal);
       if (!stairs) return [];
       /** @param {Partial<Stairs>} changes @param {number} [now] */
-      const anew = (changes, now = s.times[0]) => staircase({...stairs, ...changes}, now);
+      const anew = (changes, now = signal.kind === 'steps' ? signal.times[0] : 0) =>
+        staircase({...stairs, ...changes}, now);
       return [
         one('first', stairs.first, (value) => anew({first: value})),
         one('last', stairs.last, (value) => anew({last: value})),
@@ -320,10 +321,10 @@ export function sliders(signal, room) {
   return all[signal.kind]?.() ?? [];
 }
 
-/** @param {Fields} s @param {number} t */
+/** @param {Numbers} s @param {number} t */
 const rampAt = (s, t) => s.initial + s.slope * Math.max(0, Math.min(t, s.end ?? Infinity) - s.start);
 
-/** @param {Fields} s @param {number} now */
+/** @param {Numbers} s @param {number} now */
 const laterEnd = (s, now) => (s.end === null ? null : Math.max(s.end, now + (s.end - s.start) / 100));
 
 /**
@@ -332,9 +333,9 @@ const laterEnd = (s, now) => (s.end === null ? null : Math.max(s.end, now + (s.e
  * @param {number} horizon
  */
 export function stretch(signal, horizon) {
-  const s = /** @type {Fields} */ (signal);
+  const s = numbersOf(signal);
   const {period} = traits(signal);
-  const {times = [0]} = s;
+  const times = 'times' in signal ? signal.times : [0];
   const whole = times[times.length - 1] - times[0];
   const wanted =
     signal.kind === 'chirp'

@@ -213,7 +213,7 @@ export class SignalRow {
 
   /** @param {Signal} signal */
   #more(signal) {
-    const change = (/** @type {Signal} */ wanted) => this.#change({.../** @type {any} */ (this.#signal), ...wanted});
+    const change = (/** @type {Signal} */ wanted) => this.#change({...this.#signal, ...wanted});
     return fieldsOf(signal, {name: this.about.name, problem: this.problem, change});
   }
 

@@ -5,7 +5,7 @@ import pytest
 from tests.browser.live_helpers import opened, reload, rested, row, until
 from tests.browser.test_accessibility import UNFOLD, serious, with_faults
 
-TABS = {"inject": "I", "inputs": "U", "truth": "R", "observers": "O", "comparison": "M", "log": "G", "try": "Y"}
+TABS = {"inject": "I", "truth": "R", "observers": "O", "comparison": "M", "log": "G", "try": "Y"}
 SIZES = [(1920, 1080), (1440, 900), (1280, 720), (1024, 768)]
 SHOWN = """[...document.querySelectorAll('.desk > [role=tabpanel]')].filter((one) => one.checkVisibility())
   .map((one) => one.id)"""
