@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
+from typing import get_args
 from urllib.request import Request, urlopen
 
 import numpy as np
@@ -21,6 +22,8 @@ from thetascope.engine.compiler import cache
 from thetascope.engine.language.builtins import FUNCTIONS
 from thetascope.settings import PREFIX, Settings
 from thetascope_schemas import Experiment, Plant, ResolvedExperiment
+from thetascope_schemas.service.learning.course import CourseLesson
+from thetascope_schemas.service.learning.measures import Measure
 from tools.document_observers import FILE, counted, page
 from tools.list_licences import bundled, pinned
 
@@ -84,6 +87,15 @@ def test_the_loop_of_the_example_runs():
     run = simulate(ResolvedExperiment.model_validate(data))
     assert run.column("y.y")[-1] == pytest.approx(20, abs=0.01)
     assert run.column("x.h")[-1] == pytest.approx(19, abs=0.01)
+
+
+def test_the_example_of_a_lesson_is_valid():
+    """The lesson in docs/learn.md is accepted, and the page names every kind of measure."""
+    text = (ROOT / "docs" / "learn.md").read_text()
+    lesson = CourseLesson.model_validate(yaml.safe_load(blocks(ROOT / "docs" / "learn.md", "yaml")[0]))
+    assert lesson.steps[0].measures.keys() == {"gap"}
+    kinds = {measure.model_fields["kind"].default for measure in get_args(get_args(Measure)[0])}
+    assert {kind for kind in kinds if f"| `{kind}` |" not in text} == set() and len(kinds) > 5
 
 
 def test_every_function_of_the_language_is_described():
