@@ -21,9 +21,14 @@ export function mountFuture(plots, lesson) {
       lesson.view.phase !== 'running' && lesson.view.phase !== 'after' && lesson.step.run && on && selection && axis;
     cover.hidden = !waiting;
     if (!waiting) return;
+    const canvas = plots.querySelector('canvas');
+    const beside = canvas ? canvas.getBoundingClientRect().left - plots.getBoundingClientRect().left : 0;
     const [from, to] = selection;
     const share = Math.min(1, Math.max(0, (app.samples.now - from) / (to - from)));
-    Object.assign(cover.style, {left: `${axis.left + share * axis.width}px`, width: `${(1 - share) * axis.width}px`});
+    Object.assign(cover.style, {
+      left: `${beside + axis.left + share * axis.width}px`,
+      width: `${(1 - share) * axis.width}px`,
+    });
     fill(cover, h('span', {}, t('page.lesson.your-turn')));
   };
   app.subscribe((state) => [state.selection, state.session, state.row, state.language], place);
