@@ -142,6 +142,7 @@ function looks(app) {
       if (name === null) set(app, {strips: {}});
       else if (shown !== undefined) app.store.dispatch({type: 'strip', name, shown});
     },
+    table: (on) => set(app, {table: on}),
     site: (name) => set(app, {site: name}),
     present(on) {
       document.documentElement.classList.toggle('presentation', on);

@@ -15,6 +15,7 @@ const PANELS = [
   ['panel-diagnosis', 'diagnosis'],
   ['panel-observers', 'observers/observers'],
   ['panel-comparison', 'comparison/comparison'],
+  ['panel-table', 'comparison/table'],
   ['panel-log', 'log'],
   ['panel-dialogs', 'dialogs/dialogs'],
   [null, 'dialogs/keyboard'],

@@ -150,6 +150,8 @@ export interface State {
   band: string | null;
   /** Whether strips are shown, where chosen by hand. */
   strips: {[name: string]: boolean};
+  /** Whether the full comparison is open. */
+  table: boolean;
   /** Fault site selected in the plant. */
   site: string | null;
   presentation: boolean;
@@ -232,6 +234,8 @@ export interface Actions {
   look(t: number | null): void;
   band(label: string | null): void;
   strip(name: string | null, shown?: boolean): void;
+  /** Open or close the full comparison. */
+  table(on: boolean): void;
   site(name: string | null): void;
   present(on: boolean): void;
   desk(name: string): void;

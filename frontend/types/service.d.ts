@@ -775,6 +775,20 @@ export interface EquationsRequest {
   observers?: (string)[] | null;
 }
 
+/** The figures of one estimate of an observer over a window. */
+export interface EstimateInWindow {
+  /** Column of the true value: x.… of a state, theta.… of a fault. */
+  name: string;
+  /** Root mean square error; null: some rows have no value. */
+  rmse: number | null;
+  /** Of a fault: standard deviation of θ̂ about a fitted line, over the last quarter. */
+  noise: number | null;
+  /** Of a fault: seconds from its newest step until θ̂ stays within 10 % of the step. */
+  settled: number | null;
+  /** As in the comparison of one state and one fault. */
+  outcome: 'settled' | 'not-yet' | 'too-noisy' | 'unknown';
+}
+
 /** An event for the log. It is never dropped. */
 export interface Event {
   type: 'event';
@@ -1885,6 +1899,13 @@ export interface ObserverSummary {
   checks: (AssumptionCheck)[];
   /** Facts determined during the observer's construction. */
   facts: {[name: string]: JsonValue};
+}
+
+/** All estimates of one observer over a window. */
+export interface ObserverTable {
+  label: string;
+  /** States first, then faults, in the plant's order. */
+  estimates: (EstimateInWindow)[];
 }
 
 /** A structural option of an observer: another value gives other equations. */
@@ -4171,6 +4192,13 @@ export interface WindowComparison {
   /** The newest fault of the channel; null: none so far. */
   fault: StepFound | null;
   observers: (ObserverInWindow)[];
+}
+
+/** All estimates of all observers of a session over one window. */
+export interface WindowTable {
+  /** Present time of the session in s. */
+  t: number;
+  observers: (ObserverTable)[];
 }
 
 /** A text in each language of the page. */

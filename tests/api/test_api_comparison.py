@@ -46,3 +46,29 @@ def test_an_empty_window_has_no_figures_and_unknown_names_are_refused(client):
     for query, words in (("state=z", "x1"), ("channel=theta9", "theta1"), ("from=2&to=1", "before it begins")):
         with pytest.raises(ServiceError, match=words):
             client.get(f"{link}?{query}")
+
+
+def test_the_table_has_every_estimate_with_the_figures_of_its_comparison(client):
+    """States first, then faults; each pair of a state and a fault has the numbers that the comparison of it has."""
+    link = opened(client, 30)["links"]["comparison"]
+    table = client.get(f"{link}/table?from=5&to=28")
+    (row,) = table["observers"]
+    names = ["x.x1", "x.x2", "theta.theta1", "theta.theta2", "theta.theta3"]
+    assert [one["name"] for one in row["estimates"]] == names and table["t"] == pytest.approx(30, abs=0.02)
+    estimates = {one["name"]: one for one in row["estimates"]}
+    for state, channel in (("x1", "theta3"), ("x2", "theta1")):
+        (one,) = client.get(f"{link}?from=5&to=28&state={state}&channel={channel}")["observers"]
+        fault = estimates[f"theta.{channel}"]
+        assert estimates[f"x.{state}"]["rmse"] == one["rmse"]
+        assert {name: fault[name] for name in ("noise", "settled", "outcome")} == {
+            name: one[name] for name in ("noise", "settled", "outcome")
+        }
+    assert estimates["x.x1"]["noise"] is None and estimates["theta.theta3"]["rmse"] > 0
+
+
+def test_a_table_refuses_a_window_that_ends_before_it_begins(client):
+    """The refusal names the field."""
+    link = opened(client, 5)["links"]["comparison"]
+    with pytest.raises(ServiceError) as refused:
+        client.get(f"{link}/table?from=4&to=2")
+    assert refused.value.status == 422

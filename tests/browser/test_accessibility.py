@@ -48,6 +48,7 @@ STATES = {
         "document.querySelector('.strips-menu').open = false",
         "#scope",
     ),
+    "the full comparison": ("thetascope.act.table(true)", "thetascope.act.table(false)", ".centre"),
     "looking back": ("thetascope.act.look(1)", "thetascope.act.look(null)", "#scope, .bar, .choice"),
     "zoomed, with a notice": (
         "thetascope.act.select(0.2, 0.8); thetascope.act.tell('a word')",

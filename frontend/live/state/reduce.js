@@ -181,6 +181,7 @@ const own = {
     checks: {},
     diagnosis: null,
     strips: {},
+    table: parent ? state.table : false, // a fork is compared with its parent
     selection: null,
     looking: null,
     cursor: null,

@@ -45,6 +45,7 @@ export const initial = Object.freeze({
   looking: null,
   band: null,
   strips: {},
+  table: false,
   site: null,
   presentation: false,
   desk: 'inject',

@@ -199,3 +199,42 @@ class WindowComparison(Strict):
     channel: str | None = Field(description="The fault channel; null: the plant has none.")
     fault: StepFound | None = Field(description="The newest fault of the channel; null: none so far.")
     observers: tuple[ObserverInWindow, ...] = ()
+
+
+_ESTIMATE = {"name": "theta.theta3", "rmse": 0.0011, "noise": 0.0003, "settled": 0.77, "outcome": "settled"}
+
+
+class EstimateInWindow(Strict):
+    """The figures of one estimate of an observer over a window."""
+
+    model_config = example(**_ESTIMATE)
+
+    name: str = Field(description="Column of the true value: x.… of a state, theta.… of a fault.")
+    rmse: Number | None = Field(description="Root mean square error; null: some rows have no value.")
+    noise: Number | None = Field(
+        default=None, description="Of a fault: standard deviation of θ̂ about a fitted line, over the last quarter."
+    )
+    settled: Number | None = Field(
+        default=None, description="Of a fault: seconds from its newest step until θ̂ stays within 10 % of the step."
+    )
+    outcome: Literal["settled", "not-yet", "too-noisy", "unknown"] = Field(
+        default="unknown", description="As in the comparison of one state and one fault."
+    )
+
+
+class ObserverTable(Strict):
+    """All estimates of one observer over a window."""
+
+    model_config = example(label="adaptive", estimates=[_ESTIMATE])
+
+    label: str
+    estimates: tuple[EstimateInWindow, ...] = Field(description="States first, then faults, in the plant's order.")
+
+
+class WindowTable(Strict):
+    """All estimates of all observers of a session over one window."""
+
+    model_config = example(t=30, observers=[{"label": "adaptive", "estimates": [_ESTIMATE]}])
+
+    t: Number = Field(description="Present time of the session in s.")
+    observers: tuple[ObserverTable, ...] = ()

@@ -29,7 +29,7 @@ from thetascope.api.routes import table_query
 from thetascope.api.routes.session_stream import Stream, matches
 from thetascope.engine.errors import SpecError, Unwatchable
 from thetascope.export import MEDIA_TYPES, Table, csv_chunks, indices, json_chunks, matlab_bytes
-from thetascope.live.facts.window_comparison import window_comparison
+from thetascope.live.facts.window_comparison import window_comparison, window_table
 from thetascope.live.room.advice import propose_input_for
 from thetascope.live.scheduling.hub import TooManySessions
 from thetascope.live.wire.localize import encode
@@ -41,7 +41,7 @@ from thetascope_schemas.experiment.base import MAX_TIME
 from thetascope_schemas.experiment.diagnosis import InputProposal
 from thetascope_schemas.experiment.experiment import ResolvedExperiment
 from thetascope_schemas.service.answers import SessionOpened, SessionState
-from thetascope_schemas.service.comparison import WindowComparison
+from thetascope_schemas.service.comparison import WindowComparison, WindowTable
 from thetascope_schemas.service.facts import Facts
 from thetascope_schemas.service.run import Progress, Run
 from thetascope_schemas.texts.refusal import suggestion
@@ -241,6 +241,16 @@ async def compare_observers(
                 field, name, Message(f"plant.{field}.unknown", name=name), Message.from_data(suggestion(name, known))
             )
     return await window_comparison(room, start, end, state, channel)
+
+
+@router.get("/{id}/comparison/table", response_model=WindowTable, responses=documented(404, 422))
+async def tabulate_observers(
+    id: str, services: Use, start: table_query.First = None, end: table_query.Last = None
+) -> WindowTable:
+    """Return error, noise and time to settle of every estimate of every observer over a window."""
+    room = _room(services, id)
+    table_query.check(start, end)
+    return await window_table(room, start, end)
 
 
 @router.get(

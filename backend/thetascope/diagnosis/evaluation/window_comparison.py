@@ -56,15 +56,22 @@ class ObserverWindow:
 
 def window_figures(window: Columns, label: str, state: str, channel: str | None) -> ObserverWindow:
     """Return RMSE and noise of an observer over the rows of a window; `t` is one of the columns."""
-    t = window.column("t")
     rmse = None
     if f"x.{state}" in window.names and f"{label}.x.{state}" in window.names:
         rmse = error(window.column(f"x.{state}"), window.column(f"{label}.x.{state}"))[0]
     noise = None
-    if channel is not None and f"{label}.theta.{channel}" in window.names and t.size:
-        late = t >= t[-1] - NOISE_SHARE * (t[-1] - t[0]) - slack(t)
-        noise = straight_line_noise(t[late], window.column(f"{label}.theta.{channel}")[late])
+    if channel is not None and f"{label}.theta.{channel}" in window.names:
+        noise = late_noise(window, f"{label}.theta.{channel}")
     return ObserverWindow(label, rmse, noise)
+
+
+def late_noise(window: Columns, name: str) -> float | None:
+    """Return the standard deviation of a column about its straight line, over the last quarter of the window."""
+    t = window.column("t")
+    if t.size == 0:
+        return None
+    late = t >= t[-1] - NOISE_SHARE * (t[-1] - t[0]) - slack(t)
+    return straight_line_noise(t[late], window.column(name)[late])
 
 
 def settling_of_step(

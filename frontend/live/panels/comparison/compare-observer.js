@@ -7,7 +7,7 @@ import {t} from '../../../i18n/words.js';
 /** @import * as service from '../../../types/service.js' */
 
 /**
- * A cell: words, or a number that is written like the others of its column.
+ * A cell: words, or a number that is written like the others of its column. With both, the number orders the rows.
  * @typedef {{words?: string, value?: number, title: string}} Figure
  */
 
@@ -31,11 +31,15 @@ export function figuresOf({t: now, channel, observers}, label, to, record) {
 }
 
 /** @param {number | null | undefined} value @returns {Figure} */
-const number = (value) => ({value: value ?? NaN, title: ''});
+export const number = (value) => ({value: value ?? NaN, title: ''});
 
-/** @param {service.ObserverInWindow} figures @returns {Figure} */
-function settling({settled, outcome}) {
-  if (outcome === 'settled' && settled !== null) return {words: took(settled), title: ''};
+/**
+ * How soon an estimate settled.
+ * @param {Pick<service.ObserverInWindow, 'settled' | 'outcome'>} figures
+ * @returns {Figure}
+ */
+export function settling({settled, outcome}) {
+  if (outcome === 'settled' && settled !== null) return {words: took(settled), value: settled, title: ''};
   if (outcome === 'too-noisy')
     return {words: t('page.comparison.too-noisy'), title: t('page.comparison.too-noisy.hint')};
   return outcome === 'not-yet' ? {words: t('page.comparison.not-yet'), title: t('page.comparison.settle.hint')} : NONE;

@@ -6,6 +6,7 @@ import {badges, called, plain, split, symbolic, titleOf} from '../../../common/n
 import {get} from '../../../common/api.js';
 import {Form} from './column-format.js';
 import {detected, figuresOf} from './compare-observer.js';
+import {ascending, best, sortButton} from '../../../widgets/ordering.js';
 import {wholeLines} from '../../../widgets/whole-lines.js';
 import {chip, heading, link} from '../../../widgets/controls.js';
 import {kindName} from '../../../widgets/kind-name.js';
@@ -28,10 +29,15 @@ export function mount(element, app) {
   let channel = null;
   /**
    * @type {{
-   *   cells: HTMLElement[], session: 'mine' | 'parent', of: (answer: service.WindowComparison) => Figure[]
+   *   row: HTMLElement, cells: HTMLElement[], session: 'mine' | 'parent',
+   *   of: (answer: service.WindowComparison) => Figure[], observer: boolean
    * }[]}
    */
   let rows = [];
+  /** @type {number | null} the column by which rows are sorted */
+  let sorted = null;
+  /** @type {{mine: service.WindowComparison | null, parent: service.WindowComparison | null}} */
+  let latest = {mine: null, parent: null};
   /** @type {Form[]} */
   let forms = []; // how the numbers of each column are written
   let last = 0;
@@ -54,7 +60,8 @@ export function mount(element, app) {
       h(
         'th',
         {scope: 'col', title: t('page.comparison.rmse.hint')},
-        'RMSE ',
+        sorter(0, 'RMSE'),
+        ' ',
         picker(
           plant.states,
           x,
@@ -70,7 +77,7 @@ export function mount(element, app) {
         h(
           'th',
           {scope: 'col', title: t('page.comparison.settle.hint')},
-          t('page.comparison.settle'),
+          sorter(1, t('page.comparison.settle')),
           ' ',
           picker(
             plant.channels,
@@ -87,7 +94,7 @@ export function mount(element, app) {
         h(
           'th',
           {scope: 'col', title: t('page.comparison.noise.hint')},
-          t('page.comparison.noise'),
+          sorter(2, t('page.comparison.noise')),
           ' ',
           short(theta, plant.channels, app, true),
         ),
@@ -128,10 +135,30 @@ export function mount(element, app) {
       scroll,
       h('table', {}, h('caption', {class: 'visually-hidden'}, t('page.comparison.title')), h('thead', {}, head), body),
     );
-    fill(element, heading(t('page.comparison.title')), scroll, more);
+    const open = link(t('page.comparison.full'), () => app.act.table(true), {
+      'data-open': 'table',
+      title: t('page.comparison.full.hint'),
+    });
+    fill(element, heading(t('page.comparison.title'), open), scroll, more);
     forms = [new Form(), new Form(), new Form()];
     compute();
   };
+  /**
+   * @param {number} place
+   * @param {string} words
+   */
+  const sorter = (place, words) =>
+    sortButton({
+      words,
+      name: words,
+      sorted: sorted === place,
+      act: () => {
+        sorted = sorted === place ? null : place;
+        build();
+        show(latest);
+        [...element.querySelectorAll('.sort')].filter((one) => one instanceof HTMLElement)[place]?.focus();
+      },
+    });
   /**
    * The rows of one session: one an observer, and how soon its detector found the fault.
    * @param {ObserverState[]} observers
@@ -142,8 +169,7 @@ export function mount(element, app) {
     const cell = () => h('td');
     const observerRows = observers.map(({label, colour, dashed, kind}) => {
       const cells = theta ? [cell(), cell(), cell()] : [cell()];
-      rows.push({cells, session, of: (answer) => figuresOf(answer, label, span()[1], app.state.record)});
-      return h(
+      const row = h(
         'tr',
         {},
         h(
@@ -153,20 +179,22 @@ export function mount(element, app) {
         ),
         cells,
       );
+      /** @param {service.WindowComparison} answer */
+      const of = (answer) => figuresOf(answer, label, span()[1], app.state.record);
+      rows.push({row, cells, session, of, observer: true});
+      return row;
     });
     if (!theta || !app.state.diagnosis || app.state.diagnosis.note) return observerRows;
     const delayCell = cell();
-    rows.push({cells: [delayCell], session, of: (answer) => [detected(answer)]});
-    return [
-      ...observerRows,
-      h(
-        'tr',
-        {class: 'detector', title: t('page.comparison.found.hint')},
-        h('th', {scope: 'row', colspan: 2}, t('page.comparison.found-by')),
-        delayCell,
-        h('td'),
-      ),
-    ];
+    const row = h(
+      'tr',
+      {class: 'detector', title: t('page.comparison.found.hint')},
+      h('th', {scope: 'row', colspan: 2}, t('page.comparison.found-by')),
+      delayCell,
+      h('td'),
+    );
+    rows.push({row, cells: [delayCell], session, of: (answer) => [detected(answer)], observer: false});
+    return [...observerRows, row];
   };
   /**
    * State and channel of the columns: chosen by hand, else the first state and the newest fault.
@@ -212,10 +240,15 @@ export function mount(element, app) {
   };
   /** @param {{mine: service.WindowComparison | null, parent: service.WindowComparison | null}} answers */
   const show = (answers) => {
-    const filled = rows.flatMap(({cells, session, of}) => {
-      const answer = answers[session];
-      return answer ? [{cells, figures: of(answer)}] : [];
+    latest = answers;
+    const filled = rows.flatMap(({of, ...row}) => {
+      const answer = answers[row.session];
+      return answer ? [{...row, figures: of(answer)}] : [];
     });
+    arrange(
+      filled.filter(({observer}) => observer),
+      sorted,
+    );
     forms.forEach((form, place) => form.take(filled.flatMap(({figures}) => figures[place]?.value ?? [])));
     for (const {cells, figures} of filled) {
       const known = figures.slice(0, cells.length); // without a channel the table has one column
@@ -238,6 +271,29 @@ export function mount(element, app) {
 }
 
 /**
+ * Mark the best figures of each session's observers, and put their rows in order.
+ * @param {{row: HTMLElement, cells: HTMLElement[], session: string, figures: Figure[]}[]} all
+ * @param {number | null} sorted   the column that orders them; null: as they were added
+ */
+function arrange(all, sorted) {
+  for (const session of ['mine', 'parent']) {
+    const own = all.filter((one) => one.session === session);
+    if (own.length === 0) continue;
+    own[0].cells.forEach((_, place) => {
+      const first = best(own.map(({figures}) => figures[place]?.value));
+      own.forEach(({cells}, row) => cells[place].classList.toggle('best', first.has(row)));
+    });
+    const order =
+      sorted === null ? own.map((_, place) => place) : ascending(own.map(({figures}) => figures[sorted]?.value));
+    const wanted = order.map((place) => own[place].row);
+    const present = childrenOf(wanted[0].parentElement ?? wanted[0]).filter((row) => wanted.includes(row));
+    const {nextSibling} = present[present.length - 1];
+    if (wanted.some((row, place) => row !== present[place]))
+      for (const row of wanted) row.parentElement?.insertBefore(row, nextSibling);
+  }
+}
+
+/**
  * Set a cell; a number that has not changed is left alone.
  * @param {HTMLElement} cell
  * @param {string} words
@@ -255,7 +311,7 @@ function put(cell, words, title) {
  * @param {App} app
  * @param {boolean} [hat]
  */
-function short(name, items, app, hat = false) {
+export function short(name, items, app, hat = false) {
   if (split(name)[0].length === 1) return symbol(name, hat);
   const [letters, index] = badges(items).get(name) ?? split(name);
   return h(
