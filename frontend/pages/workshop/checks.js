@@ -5,6 +5,7 @@ import {Problem, reason} from '../../common/api.js';
 import {t} from '../../i18n/words.js';
 import * as service from './service.js';
 
+/** @import {Plant} from '../../types/service.js' */
 /** @import {ShopStore} from './types.js' */
 
 const PAUSE = 300; // ms after the last key
@@ -20,6 +21,9 @@ export const asProblem = (error) =>
         detail: t('page.problem.unreadable.remedy', {error: reason(error).message}),
       });
 
+/** The inputs and outputs of a plant: curves of others are not shown beside its text. @param {Plant | null} [plant] */
+const signalsOf = (plant) => JSON.stringify([plant?.inputs, plant?.outputs].map((all) => all?.map(({name}) => name)));
+
 /**
  * @param {ShopStore} store
  */
@@ -34,6 +38,7 @@ export function followChanges(store) {
         if (store.state.text !== text) return;
         if (answer.valid) {
           const fresh = JSON.stringify(answer.plant) !== JSON.stringify(store.state.good?.plant);
+          if (signalsOf(answer.plant) !== signalsOf(store.state.good?.plant)) store.set({trial: null});
           store.set({check: answer, checking: false, good: answer, problem: null});
           if (fresh || store.state.trial === null) {
             store.set({ranking: fresh ? null : store.state.ranking});

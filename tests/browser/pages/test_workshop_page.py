@@ -149,5 +149,5 @@ def test_the_pages_link_to_each_other_and_share_the_language(page, server):
     opened.click(".pages a:text-is('仿真')")
     opened.wait_for_url(f"{server}/runs/**")
     until(opened, "document.querySelector('.pages [aria-current]')?.textContent === '仿真'")
-    opened.click(".pages a:nth-child(1)")
+    opened.click(".pages a:text-is('实时')")
     until(opened, "document.querySelector('#panel-inject h2')?.textContent === '注入故障'")

@@ -107,7 +107,7 @@ def test_every_expression_is_read_after_an_error():
 
 @pytest.mark.parametrize(
     ("text", "line"),
-    [("", 1), ("hello", 1), ("id: [", 1), ("id: a\nstates:\n  - {name: h,\ninputs: 1\n", 4), ("a: &b 1\nc: *b\n", 1)],
+    [("", 1), ("hello", 1), ("id: [", 1), ("id: a\nstates:\n  - {name: h,\ninputs: 1\n", 3), ("a: &b 1\nc: *b\n", 1)],
 )
 def test_text_that_is_no_plant_has_an_error_at_a_place(text, line):
     """Also a text that is no YAML gets a line within the text."""
@@ -170,12 +170,12 @@ UNITS = UNITS.replace(
 @pytest.mark.parametrize(
     ("right", "wrong", "shown", "words"),
     [
-        ("(q - q12)/A", "(q - q12*A)/A", "- q12*A", ["m⁵/s", "m³/s"]),
-        ("(q - q12)/A", "(q - q12)", "(q - q12)", ["m³/s", "m/s"]),
-        ("expression: h1}", "expression: h1*A}", "h1*A", ["m³", "m"]),
-        ('expression: "a*sqrt(2*g*max(h1 - h2, 0))"', 'expression: "a*exp(g)*sqrt(2*g*h1)"', "g", ["m/s²", "pure"]),
-        ("enters: {h1: -sqrt(h1)}", 'unit: "", enters: {h1: -q}', "-q", ["m³/s", "m/s"]),
-        ("(q - q12)/A", "(q - q12)/A + where(h1 < g, 0, 0)", "g", ["m/s²", "m"]),
+        ("(q - q12)/A", "(q - q12*A)/A", "- q12*A", ["m⁵/s", "cm³/s"]),
+        ("(q - q12)/A", "(q - q12)", "(q - q12)", ["cm³/s", "cm/s"]),
+        ("expression: h1}", "expression: h1*A}", "h1*A", ["m³", "cm"]),
+        ('expression: "a*sqrt(2*g*max(h1 - h2, 0))"', 'expression: "a*exp(g)*sqrt(2*g*h1)"', "g", ["cm/s²", "pure"]),
+        ("enters: {h1: -sqrt(h1)}", 'unit: "", enters: {h1: -q}', "-q", ["cm³/s", "cm/s"]),
+        ("(q - q12)/A", "(q - q12)/A + where(h1 < g, 0, 0)", "g", ["cm/s²", "cm"]),
     ],
 )
 def test_a_term_with_another_unit_is_underlined(right, wrong, shown, words):
@@ -200,3 +200,60 @@ def test_sentences_are_in_the_chosen_language():
     """The problem and the remedy are Chinese, without a column: the editor shows the place."""
     (error,) = check_text(TEXT.replace("2*sqrt(2*g*max(h2", "2*sqr(2*g*max(h2"), "zh").errors
     assert re.search("[\u4e00-\u9fff]", error.problem) and "sqrt" in error.remedy and "列" not in error.problem
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "shown"),
+    [
+        ("title: Two tanks", "title: Tanks: two", "Tanks: two"),
+        ("  h1: (q", "\th1: (q", "\t"),
+        ("  h1: (q - q12)/A", "   h1: (q - q12)/A", "h"),
+        ("inputs:", "inputs", "s"),
+        ("name: h2, unit", "name: h2，unit", "，"),
+        ("initial: 20}", "initial: 20", "0"),
+        ("bounds: [1, null]}", "bounds: [1, null}", "l"),
+        ('max(h2, 0))"}', "max(h2, 0))}", ")"),
+        ("name: q, unit", "name:q, unit", "name:q"),
+        ("value: 154", "value: 154%", "154%"),
+        ("value: 981", "value: 9,81", "9,81"),
+    ],
+)
+def test_a_text_that_is_hardly_yaml_is_corrected_with_one_change(right, wrong, shown):
+    """The sentence names the cause, not the parser's trouble further down, and after the change the text is a plant."""
+    text = TEXT.replace(right, wrong, 1)
+    answer = check_text(text, "en")
+    error = answer.errors[0]
+    assert not answer.valid and at(text, error.place) == shown and "not valid YAML" not in error.problem
+    assert check_text(fixed(text, answer), "en").valid
+
+
+def test_an_unknown_word_for_a_kind_is_underlined_itself():
+    """The change replaces the word, not the part whose kind it says."""
+    text = TEXT.replace("states:", "time: {kind: continous}\nstates:")
+    answer = check_text(text, "en")
+    assert at(text, answer.errors[0].place) == "continous" and answer.errors[0].fix.text == "continuous"
+    assert check_text(fixed(text, answer), "en").valid
+
+
+def test_an_unknown_name_becomes_a_parameter_unless_it_is_taken():
+    """A name like no other is declared with one click; the name of a channel cannot be."""
+    text = TEXT.replace("(q - q12)/A", "(q - q12)/A - evaporation")
+    answer = check_text(text, "en")
+    assert answer.errors[0].fix.length == 0
+    assert [p.name for p in check_text(fixed(text, answer), "en").plant.parameters] == ["A", "g", "evaporation"]
+    assert check_text(TEXT.replace("(q - q12)/A", "(q - q12)/A - leak"), "en").errors[0].fix is None
+
+
+@pytest.mark.parametrize(("unit", "near"), [("kgm2", "kg·m²"), ("L/mn", "L/min"), ("furlongs·x", None)])
+def test_a_unit_that_is_not_known_is_a_warning(unit, near):
+    """Equations with it are not checked, which the viewer should know."""
+    text = TEXT.replace("value: 154, unit: cm²", f"value: 154, unit: {unit}")
+    (warning,) = check_text(text, "en").errors
+    assert warning.severity == "warning" and at(text, warning.place) == unit
+    assert (warning.fix and warning.fix.text) == near
+
+
+def test_units_in_sentences_are_those_of_the_plant():
+    """Rates of states have their own unit per second, and a product below the line has brackets."""
+    answer = check_text(TEXT.replace("h1: (q - q12)/A", "h1: q - q12").replace("2*sqrt", "g*sqrt"), "en")
+    assert "cm³/s" in answer.errors[0].problem and "cm/s is needed" in answer.errors[0].problem

@@ -13,10 +13,12 @@ from thetascope.engine.language.render.mathml import expression, math, row
 from thetascope.engine.language.render.mathml_symbols import symbol
 from thetascope.engine.model.plant_model import Model
 from thetascope.messages import Message
+from thetascope.records.columns.units import per_second
 from thetascope_schemas.experiment.plant import Plant
 
 _SHARE = 0.1  # usual size of a loss or of a wrong gain
 _OFFSET = 0.05  # usual size of a bias, as a share of what the quantity covers
+_MOST_SUMMANDS, _LONGEST_SUMMAND = 6, 40
 _SLOW = 0.02  # time constant of a lag, as a share of the experiment
 _PRINTED = {"Abs": "abs", "Max": "max", "Min": "min"}
 
@@ -71,15 +73,22 @@ class _Patterns:
         terms = [s for s in self.symbols.values() if s in right.free_symbols]
         for term in terms:
             yield from self._loss(name, term)
+        summands = self._summands(name, terms)
+        for shown, value in summands:
+            yield self._pattern("loss", shown, {name: _text(-value)}, "process", _SHARE, bounds=[0, 1])
         yield from self._leak(name, terms)
         rate = 1 / self.spec.horizon * 10
         size = nice(_OFFSET * self._cover(index) * (1 if self.model.period else rate))
-        unit = state.unit if self.model.period else f"{state.unit}/s" if state.unit else "1/s"
+        unit = state.unit if self.model.period else per_second(state.unit)
         yield self._pattern("bias", "", {name: "1"}, "process", size, unit=unit[:32])
         yield self._pattern("gain", "", {name: " ".join(self.data["dynamics"][name].split())}, "process", _SHARE)
         if self.model.period is None:
             for term in terms:
                 yield from self._lag(name, term)
+            for shown, value in summands:
+                yield self._with_lag(
+                    name, shown, _text(value), f"{{lag}} - {_bracketed(_text(value))}", "process", unit
+                )
 
     def of_output(self, name: str) -> Iterator[Pattern]:
         """Yield the faults of a sensor."""
@@ -89,8 +98,8 @@ class _Patterns:
         yield self._pattern("bias", name, {name: "1"}, "sensor", size, unit=output.unit)
         yield self._pattern("gain", name, {name: text}, "sensor", _SHARE)
         if self.model.period is None:
-            yield self._with_lag(name, name, text, f"{{lag}} - ({text})", "process", output.unit)
-        yield self._pattern("loss", name, {name: f"-({text})"}, "sensor", 1.0, bounds=[0, 1])
+            yield self._with_lag(name, name, text, f"{{lag}} - {_bracketed(text)}", "process", output.unit)
+        yield self._pattern("loss", name, {name: f"-{_bracketed(text)}"}, "sensor", 1.0, bounds=[0, 1])
 
     def _loss(self, name: str, term: Any) -> Iterator[Pattern]:
         """Yield a loss of a share of a term, with what keeps it in the other equations."""
@@ -103,6 +112,17 @@ class _Patterns:
         enters = {name: _text(-coefficient * term)}
         yield self._pattern("loss", term.name, enters, kind, _SHARE, bounds=[0, 1], conserved=conserved)
 
+    def _summands(self, name: str, terms: list[Any]) -> list[tuple[str, Any]]:
+        """Return the summands of the equation of a state that contain none of its inputs and definitions.
+
+        Each is a text without a sign, as the viewer reads it, and the summand itself.
+        """
+        right = sympy.expand(self.model.f[self.model.states.index(name)])
+        found = [one for one in right.as_ordered_terms() if one.free_symbols and not one.free_symbols & set(terms)]
+        pairs = [(_text(-one if one.could_extract_minus_sign() else one), one) for one in found]
+        short = all(len(text) <= _LONGEST_SUMMAND for text, _ in pairs)
+        return pairs if short and len(pairs) <= _MOST_SUMMANDS else []
+
     def _leak(self, name: str, terms: list[Any]) -> Iterator[Pattern]:
         """Yield a hole of a store that cannot be negative: a flow by its level."""
         state = next(s for s in self.plant.states if s.name == name)
@@ -110,6 +130,8 @@ class _Patterns:
             return
         coefficient = next((c for t in terms if (c := self._coefficient(name, t)) is not None), None)
         flow = f"sqrt(2*g*max({name}, 0))" if "g" in self.model.parameter_names else f"sqrt(max({name}, 0))"
+        if coefficient is not None and coefficient.free_symbols & set(self.model.x):
+            coefficient = None  # no cross-section
         weight = coefficient if coefficient is None or not coefficient.could_extract_minus_sign() else -coefficient
         scale = "" if weight is None else f"*({_text(weight)})"
         cover = self._cover(self.model.states.index(name))
@@ -165,14 +187,14 @@ class _Patterns:
         channel |= {"bounds": bounds} if bounds else {}
         channel |= {"unit": unit} if unit else {}
         about = Message(f"workshop.pattern.{pattern}", name=term or where)
-        names = {*self.declared, *(s["name"] for s in more.get("states", ())), "t"}
+        names = {*self.declared, *(s["name"] for s in more.get("states", ())), "t", "theta"}
+        sign = "" if enters[where].lstrip("(").startswith("-") else "<mo>+</mo>"
+        product = "theta" if enters[where] == "1" else f"({enters[where]})*theta"
         try:
-            inner = expression(enters[where], names, tables=self.model.tables)
+            shown = row(sign, expression(product, names, tables=self.model.tables))
         except SpecError:
-            inner = ""
-        return Pattern(
-            pattern, term, about, math(row(inner, "<mspace width='0.2em'/>", symbol("theta"))), channel, **more
-        )
+            shown = symbol("theta")
+        return Pattern(pattern, term, about, math(shown), channel, **more)
 
     def _coefficient(self, name: str, term: Any) -> Any:
         """Return the derivative of the equation of a state by a term, None where it is 0 or contains the term."""
@@ -210,3 +232,7 @@ def _text(expr: Any) -> str:
     for printed, name in _PRINTED.items():
         text = re.sub(rf"\b{printed}\(", f"{name}(", text)
     return text
+
+
+def _bracketed(text: str) -> str:
+    return text if text.isidentifier() else f"({text})"

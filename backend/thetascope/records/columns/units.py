@@ -3,6 +3,7 @@
 import re
 import unicodedata
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cache
 from typing import Any
 
@@ -56,6 +57,7 @@ _TEMPERATURES = {
 }
 _LONE = frozenset(("C", "F"))  # degrees where a temperature is meant, else coulomb and farad
 _KELVIN = (("kelvin", 1.0),)
+_NEXT_POWER = {"": "²", "²": "³", "^2": "^3", "2": "3"}
 _TOKEN = re.compile(
     r"\s*(?:(?P<op>[*/·⋅×])|(?P<open>\()|(?P<close>\))|(?P<one>1(?=\s*/))"
     r"|(?P<name>[^\W\d_]+|%|‰|°[A-Za-z]?)(?:(?:\^|\*\*)?(?P<power>-?\d+(?:\.\d+)?))?)"
@@ -117,6 +119,25 @@ def _product(text: str) -> Scale | None:
     if depth or not 0 < factor < float("inf"):
         return None
     return Scale(factor, 0.0, tuple(sorted((b, p) for b, p in powers.items() if abs(p) > 1e-9)))
+
+
+def per_second(unit: str) -> str:
+    """Return the unit of the rate of a quantity: m/s for m, rad/s² for rad/s, 1/s without a unit."""
+    if not unit:
+        return "1/s"
+    before, slash, power = unit.rpartition("/s")
+    if slash and power in _NEXT_POWER:
+        return f"{before}/s{_NEXT_POWER[power]}"
+    return f"{unit}/s"
+
+
+def nearest_unit(text: str) -> str | None:
+    """Return the known unit that is written most like a text that is not known, or None."""
+    product = re.sub(r"([A-Za-z]{1,2})([A-Za-z])(\d?)$", r"\1·\2\3", text)  # kgm2 for kg·m²
+    if product != text and scale_of(product) is not None:
+        return product.replace("2", "²").replace("3", "³")
+    near = get_close_matches(text, _CHOICES, n=1, cutoff=0.6)
+    return near[0] if near else None
 
 
 @cache

@@ -37,6 +37,10 @@ def fix_of(document: Document, error: FieldError, place: Span) -> Fix | None:
     remedy = error.args.get("remedy")
     if not isinstance(remedy, Mapping):
         return _nearest_choice(document, error, place)
+    if remedy["code"] == "expression.declare":
+        return _declaration(document, place)
+    if error.code == "schema.field.unknown" and (apart := _key_and_value(document, error, place)):
+        return apart
     text = _replacement(document.text[place.start : place.end], remedy)
     return None if text is None else Fix(place, text)
 
@@ -86,14 +90,40 @@ def _written(node: yaml.Node) -> bool:
 
 
 def _nearest_choice(document: Document, error: FieldError, place: Span) -> Fix | None:
-    """Return the nearest of several permitted words, or a number without its quotes."""
+    """Return the nearest of several permitted words, or a number without quotes, or a share for per cent."""
     names = error.args.get("names")
     if error.code == "schema.literal-error" and isinstance(names, list):
         near = get_close_matches(str(error.value), [str(name) for name in names], n=1, cutoff=0.5)
         return Fix(place, near[0]) if near else None
-    if error.code in ("schema.float-type", "schema.int-type") and _NUMBER.fullmatch(str(error.value).strip()):
-        return Fix(place, str(error.value).strip())
+    written = str(error.value).strip()
+    if error.code in ("schema.float-type", "schema.int-type") and _NUMBER.fullmatch(written):
+        return Fix(place, written)
+    if error.code == "schema.float-type" and written.endswith("%") and _NUMBER.fullmatch(written[:-1].strip()):
+        return Fix(place, f"{float(written[:-1]) / 100:.12g}")
     return None
+
+
+def _declaration(document: Document, place: Span) -> Fix | None:
+    """Return a further parameter with the name at a place, in the style of the last one; None if the name is taken."""
+    name = document.text[place.start : place.end]
+    named = any(
+        path.endswith(".name") and getattr(node, "value", "") == name for path, (_, node) in document.nodes.items()
+    )
+    _, parameters = document.nodes.get("parameters", (None, None))
+    if named or not name.isidentifier() or not isinstance(parameters, yaml.SequenceNode) or parameters.flow_style:
+        return None
+    end = len(document.text[: parameters.end_mark.index].rstrip())
+    indent = " " * parameters.start_mark.column
+    return Fix(Span(end, end), f"\n{indent}- {{name: {name}, value: 1}}")
+
+
+def _key_and_value(document: Document, error: FieldError, place: Span) -> Fix | None:
+    """Return the colon and the blank that a key without a value lacks: `name:i` and `name i` become `name: i`."""
+    _, node = document.nodes.get(error.field, (None, None))
+    parts = re.fullmatch(r"(\w+)(?:\s+|\s*:)(\S+)", document.text[place.start : place.end])
+    if node is None or _written(node) or parts is None:
+        return None
+    return Fix(place, f"{parts[1]}: {parts[2]}")
 
 
 def _close_parenthesis(document: Document, error: FieldError, place: Span, args: Mapping) -> Fix | None:

@@ -1,6 +1,7 @@
 """Check the text of a plant: all errors at once, each with its place and, where there is one, the change that helps."""
 
 import json
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -8,8 +9,9 @@ from typing import Any
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message, words
 from thetascope.runs.plants.remedies import Fix, fix_of, unquoted
-from thetascope.runs.plants.text_places import Span, span_of, word_at
+from thetascope.runs.plants.text_places import Span, seen, span_of, word_at
 from thetascope.runs.plants.unit_check import Mismatch, mismatches
+from thetascope.runs.plants.yaml_repairs import repair
 from thetascope.runs.specs.refusals import InvalidSpec, from_engine, invalid, validated
 from thetascope.runs.specs.spec_files import Document, DocumentError, parse
 from thetascope_schemas.experiment.plant import Plant
@@ -30,9 +32,7 @@ def check_text(text: str, language: str) -> PlantTextCheck:
     try:
         document = parse(text)
     except DocumentError as error:
-        (problem,) = invalid("", None, error.problem, error.remedy).errors
-        broken = Document(None, text)
-        return _answer(broken, [_located(broken, problem, word_at(text, error.place), language)], language)
+        return _answer(Document(None, text), [_unreadable(text, error, language)], language)
     try:
         plant = validated(Plant, document.data)
     except InvalidSpec as error:
@@ -42,6 +42,17 @@ def check_text(text: str, language: str) -> PlantTextCheck:
     if errors:
         return _answer(document, errors, language)
     return _answer(document, [_unit(document, one, language) for one in mismatches(plant)], language, plant)
+
+
+def _unreadable(text: str, error: DocumentError, language: str) -> TextError:
+    """Return the error of a text that is no YAML, where possible with the change after which it is."""
+    broken = Document(None, text)
+    found = repair(text, error.place) if error.problem.code == "document.no-yaml" else None
+    if found is None:
+        (problem,) = invalid("", None, error.problem, error.remedy).errors
+        return _located(broken, problem, word_at(text, error.place), language)
+    (problem,) = invalid("", None, found.problem).errors
+    return _located(broken, problem, seen(text, found.span), language, Fix(found.span, found.text))
 
 
 @dataclass(frozen=True)
@@ -141,13 +152,19 @@ def _unit(document: Document, wrong: Mismatch, language: str) -> TextError:
     args = {"problem": wrong.problem.as_data(), "column": wrong.start + 1}
     args["remedy"] = Message(f"{wrong.problem.code}.remedy", **wrong.problem.args).as_data()
     error = FieldError(field=wrong.field, value=term, code="expression.at", args=args, problem="", remedy="")
-    return _found(document, error, language).model_copy(update={"severity": "warning", "fix": None})
+    shown = _found(document, error, language)
+    near = wrong.problem.args.get("near")
+    fix = TextFix(**shown.place.model_dump(), text=str(near)) if near else None
+    return shown.model_copy(update={"severity": "warning", "fix": fix})
 
 
 def _found(document: Document, error: FieldError, language: str) -> TextError:
     value = unquoted(document, error)
     if value is not None:
         text = document.text[value.start : value.end]
+        if re.fullmatch(r"[-+]?\d+,\d+", text):
+            (comma,) = invalid(error.field, text, Message("document.decimal-comma")).errors
+            return _located(document, comma, value, language, Fix(value, text.replace(",", ".")))
         (comma,) = invalid(error.field, text, Message("document.unquoted")).errors
         return _located(document, comma, value, language, Fix(value, json.dumps(text, ensure_ascii=False)))
     return _located(document, error, span_of(document, error), language)

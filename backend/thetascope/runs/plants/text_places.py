@@ -10,6 +10,7 @@ from thetascope_schemas.service.field_error import FieldError
 
 _LAST = re.compile(r"(\.[^.\[\]]*|\[\d+\]|^[^.\[\]]+)$")
 _EXPRESSION = "expression.at"  # an error with a column in the expression
+_UNION = "schema.union-tag-invalid"  # an error in the field that says the kind
 _WORD = re.compile(r"\w+|\S")
 
 
@@ -27,6 +28,9 @@ def span_of(document: Document, error: FieldError) -> Span:
     What is missing is shown at the key of the part in which it is missing.
     """
     path = error.field
+    kind = f"{path}.{error.args.get('discriminator')}".lstrip(".")
+    if error.code == _UNION and kind in document.nodes:
+        path = kind  # the error names the part whose kind is not known; the word that says the kind is wrong
     if path not in document.nodes:
         return _enclosing(document, path)
     key, node = document.nodes[path]
@@ -55,6 +59,16 @@ def word_at(text: str, place: Place | None) -> Span:
         return Span(start, word.end())
     before = text[:start].rstrip()  # the end of a line: what precedes it
     return Span(max(0, len(before) - 1), max(1, len(before)))
+
+
+def seen(text: str, span: Span) -> Span:
+    """Return a range that an editor can underline: an empty one, or blanks, with the character before or after."""
+    if text[span.start : span.end].strip(" "):
+        return span
+    if span.start > 0 and not text[span.start - 1].isspace():
+        return Span(span.start - 1, span.start)
+    after = next((k for k in range(span.end, len(text)) if not text[k].isspace()), None)
+    return Span(max(0, span.start - 1), max(1, span.start)) if after is None else Span(after, after + 1)
 
 
 def scalar_part(text: str, node: yaml.ScalarNode, start: int, end: int) -> Span:

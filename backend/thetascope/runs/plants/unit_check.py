@@ -1,9 +1,9 @@
 """Check the dimensions of a plant's equations; the unit of each term follows from those of its quantities.
 
-A quantity without `unit` is not known, and neither is what it is multiplied with; `unit: ""` means dimensionless.
-Numbers fit every term of a sum; as factors, those up to ten and their halves are pure numbers, others may have a unit,
-as 1000 in v/1000. Neither is the unit known in which a formula wants the time t. Only dimensions are compared, not
-prefixes: cm and m may be added, cm and s may not.
+Units that are not known are named. A quantity without `unit` is not known, and neither is what it is multiplied with;
+`unit: ""` means dimensionless. Numbers fit every term of a sum; as factors, those up to ten and their halves are pure
+numbers, others may have a unit, as 1000 in v/1000. Neither is the unit known in which a formula wants the time t. Only
+dimensions are compared, not prefixes: cm and m may be added, cm and s may not.
 """
 
 from collections.abc import Iterator, Mapping
@@ -13,7 +13,7 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.language.parser import Parsed, parse, sides
 from thetascope.engine.language.syntax_tree import Node
 from thetascope.messages import Message
-from thetascope.records.columns.units import scale_of
+from thetascope.records.columns.units import nearest_unit, per_second, scale_of
 from thetascope_schemas.experiment.plant import Plant
 
 Dimension = dict[str, float]
@@ -24,12 +24,14 @@ _SHORT = {
     "meter": "m",
     "second": "s",
     "kilogram": "kg",
-    "gram": "g",
+    "gram": "kg",  # only dimensions are written, and kg is the SI unit of mass
     "ampere": "A",
     "kelvin": "K",
     "mole": "mol",
     "candela": "cd",
 }
+_USUAL = ["N", "N·m", "W", "Pa", "V", "Ω", "C", "F", "H", "Wb", "T", "V/s", "A/s", "N/m", "N·s/m", "N·m·s", "W/K"]
+"""Units in which a dimension is written where no quantity of the plant has it."""
 _RAISED = str.maketrans("0123456789-.", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻·")
 
 
@@ -53,6 +55,7 @@ class _Checker:
     def __init__(self, plant: Plant) -> None:
         self.plant = plant
         self.found: list[Mismatch] = []
+        self.written = _names_of(plant)
         self.units: dict[str, Dimension | None] = {"t": None, "pi": {}}
         groups = ("states", "inputs", "parameters", "signals", "algebraic")
         for item in (item for group in groups for item in getattr(plant, group)):
@@ -61,7 +64,8 @@ class _Checker:
         self.field = self.text = ""
 
     def check(self) -> Iterator[Mismatch]:
-        """Check all equations, each definition before what uses it."""
+        """Check all units, then all equations, each definition before what uses it."""
+        yield from _unknown(self.plant)
         for index, one in enumerate(self.plant.definitions):
             self.units[one.name] = None
             self.units[one.name] = self._of(f"definitions[{index}].expression", one.expression)
@@ -178,8 +182,48 @@ class _Checker:
             self._mismatch(node.start, node.end, "workshop.unit.argument", own, {})
 
     def _mismatch(self, start: int, end: int, code: str, own: Dimension, wanted: Dimension) -> None:
-        problem = Message(code, own=_written(own), wanted=_written(wanted))
+        problem = Message(code, own=self._unit(own), wanted=self._unit(wanted))
         self.found.append(Mismatch(self.field, self.text, start, end, problem))
+
+    def _unit(self, dimension: Dimension) -> str:
+        """Return a unit of a dimension, where possible as the plant writes it."""
+        return self.written.get(_key(dimension)) or _written(dimension)
+
+
+_Key = tuple[tuple[str, float], ...]
+_GROUPS = ("states", "inputs", "outputs", "parameters", "signals", "algebraic", "references", "channels", "tables")
+
+
+def _key(dimension: Dimension) -> _Key:
+    return tuple(sorted((base, round(power, 6)) for base, power in dimension.items()))
+
+
+def _names_of(plant: Plant) -> dict[_Key, str]:
+    """Return a unit for each dimension of a plant's quantities and of the rates of its states."""
+    items = [item for group in _GROUPS for item in getattr(plant, group)]
+    units = [item.unit for item in items if item.unit]
+    rates = [per_second(state.unit) for state in plant.states if state.unit]
+    found: dict[_Key, str] = {(): "1"}
+    for unit in (*units, *rates, *_USUAL):
+        scale = scale_of(unit)
+        if scale is not None:
+            found.setdefault(_key(_without_angle(scale.dimension)), unit)
+    return found
+
+
+def _unknown(plant: Plant) -> Iterator[Mismatch]:
+    """Yield the units that are not known."""
+    for group in _GROUPS:
+        for index, item in enumerate(getattr(plant, group)):
+            if item.unit and scale_of(item.unit) is None:
+                near = nearest_unit(item.unit)
+                code = "workshop.unit.unknown-near" if near else "workshop.unit.unknown"
+                problem = Message(code, own=item.unit, **({"near": near} if near else {}))
+                yield Mismatch(f"{group}[{index}].unit", item.unit, 0, len(item.unit), problem)
+
+
+def _without_angle(dimension: tuple[tuple[str, float], ...]) -> Dimension:
+    return {base: power for base, power in dimension if base != "radian"}
 
 
 def _declared(item: object) -> Dimension | None:
@@ -187,7 +231,7 @@ def _declared(item: object) -> Dimension | None:
     if "unit" not in getattr(item, "model_fields_set", ()):
         return None
     scale = scale_of(getattr(item, "unit", ""))
-    return None if scale is None else {base: p for base, p in scale.dimension if base != "radian"}
+    return None if scale is None else _without_angle(scale.dimension)
 
 
 def _times(one: Mapping[str, float], other: Mapping[str, float], sign: float = 1) -> Dimension:
@@ -215,5 +259,6 @@ def _written(dimension: Dimension) -> str:
         return f"{_SHORT.get(base, base)}{raised}"
 
     above = "·".join(one(base, power) for base, power in sorted(dimension.items()) if power > 0)
-    below = "·".join(one(base, -power) for base, power in sorted(dimension.items()) if power < 0)
-    return above or "1" if not below else f"{above or '1'}/{below}"
+    divisors = [one(base, -power) for base, power in sorted(dimension.items()) if power < 0]
+    below = divisors[0] if len(divisors) == 1 else f"({'·'.join(divisors)})"
+    return f"{above or '1'}/{below}" if divisors else above or "1"

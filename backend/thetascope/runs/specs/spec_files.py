@@ -173,7 +173,8 @@ def parse(text: str) -> Document:
         node = yaml.compose(text, Loader=_Loader)
         data = None if node is None else _build(node, "", nodes, None)
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
+        unfinished = error.context_mark and "end of stream" in str(error.problem)  # a quotation mark is never closed
+        mark = error.context_mark if unfinished else error.problem_mark or error.context_mark
         place = mark and Place(mark.line + 1, mark.column + 1)
         detail = str(error.problem or error.context)
         raise DocumentError(Message("document.no-yaml", detail=detail), place) from None

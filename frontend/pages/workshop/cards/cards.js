@@ -121,13 +121,17 @@ function lines(answer, warnings, point) {
   const row = (line, field, path) => {
     const wrong = warnings.find((one) => one.field === path);
     const about = wrong ? wrong.problem : [named(line.description), line.unit].filter(Boolean).join(', ');
-    const inner = [mathml(line.math), h('span', {class: wrong ? 'wrong-unit' : 'soft'}, about)];
-    if (!field) return h('div', {class: 'eq'}, inner);
+    const inner = [
+      h('span', {class: 'line'}, mathml(line.math)),
+      h('span', {class: wrong ? 'wrong-unit' : 'soft'}, about),
+    ];
+    const rows = wrong ? ' two-rows' : '';
+    if (!field) return h('div', {class: `eq${rows}`}, inner);
     return h(
       'button',
       {
         type: 'button',
-        class: 'eq',
+        class: `eq${rows}`,
         title: t('page.workshop.fault.add', {name: line.name}),
         'aria-label': t('page.workshop.fault.add', {name: line.name}),
         onclick: ({currentTarget}) => point({field, name: line.name}, currentTarget),
@@ -135,7 +139,7 @@ function lines(answer, warnings, point) {
       inner,
     );
   };
-  return focusWhenScrolling(
+  return fitted(
     h(
       'div',
       {class: 'eqs'},
@@ -145,6 +149,29 @@ function lines(answer, warnings, point) {
       answer.controllers.map((line) => row(line, null, '')),
     ),
   );
+}
+
+const SMALLEST = 0.7; // of the usual size of type; an equation that is still too long is scrolled
+const UNIT = 48; // px that a unit beside an equation needs
+
+/**
+ * Set equations that are too long for the card in smaller type. A unit is shown where there is room beside it.
+ * @param {HTMLElement} box
+ */
+function fitted(box) {
+  const lines = /** @type {NodeListOf<HTMLElement>} */ (box.querySelectorAll('.line'));
+  new ResizeObserver(() => {
+    const room = box.clientWidth;
+    for (const line of lines) line.style.fontSize = '';
+    const shares = [...lines].map((line) => room / Math.max(1, line.offsetWidth));
+    for (const [place, line] of lines.entries())
+      if (shares[place] < 1) line.style.fontSize = `${Math.max(SMALLEST, 0.98 * shares[place])}em`;
+    for (const line of lines) {
+      const unit = /** @type {HTMLElement} */ (line.nextElementSibling);
+      if (unit.className === 'soft') unit.hidden = line.offsetWidth > room - UNIT;
+    }
+  }).observe(box);
+  return focusWhenScrolling(box);
 }
 
 /** @param {ShopState} state @param {ShopStore} store */

@@ -150,7 +150,10 @@ function show(store, editor, name, patterns, anchor) {
     chosen = pattern;
     const {channel} = pattern;
     nameField.value = channel.name;
-    titleField.value = pattern.about.text;
+    titleField.value = t('page.workshop.fault.title-of', {
+      pattern: t(`page.workshop.fault.${pattern.pattern}`).toLowerCase(),
+      name: pattern.term || name,
+    });
     sizeField.value = number(channel.typical).replace('−', '-');
     keep.checked = false;
     draw();
