@@ -167,6 +167,24 @@ def test_runs_are_compared_by_settings_measures_and_curves(notebook):
         assert refusal.value.status == status
 
 
+def test_runs_of_other_plants_and_horizons_are_compared(notebook):
+    """Curves reach to the end of the longest run, and a run that shares nothing with the others has its own strip."""
+    client, ids = notebook
+    longer = client.post("/api/runs", {"experiment": "zhao-2012", "set": {"horizon": 3.0}})["id"]
+    other = client.post("/api/runs", {"experiment": "dc-motor", "set": {"horizon": 1.0}})["id"]
+    stored(client, longer, other)
+    query = f"ids={ids[0]},{longer},{other}"
+    figure = client.get(f"/api/runs/compare/figure?{query}")
+    names = [{trace["name"] for trace in figure["data"] if trace["yaxis"] == axis} for axis in ("y", "y6")]
+    assert {f"r-{ids[0][:4]}", f"r-{longer[:4]}"} <= names[0] and f"r-{other[:4]}" in names[1]
+    printed = client.get(f"/api/runs/compare/figure/print?{query}&format=json&end=2.5")
+    assert [curve["key"] for curve in printed["curves"] if curve["key"].startswith("r-")] == [
+        f"r-{id[:4]}" for id in (ids[0], longer, other)
+    ]
+    pdf = client.request("GET", f"/api/runs/compare/figure/print?{query}&format=pdf")[2]
+    assert pdf.startswith(b"%PDF") and b"/FontFile2" in pdf
+
+
 def test_a_comparison_is_printed_less_the_first_and_keeps_its_notes(notebook):
     """Differences are of the runs' own data; the printed figure names the runs; notes do not depend on the order."""
     client, ids = notebook

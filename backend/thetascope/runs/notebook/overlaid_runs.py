@@ -61,7 +61,7 @@ def prepare_overlaid(
     name = LESS if less else OVERLAID
     ids = [run.snapshot.id for run in runs]
     caption = Message("print.caption.runs", title=drawing.title, runs=[id[:12] for id in ids]).text(language)
-    t = runs[0].result.column("t")
+    times = [run.result.column("t") for run in runs]
     return prepare_drawing(
         drawing,
         Printable(
@@ -70,7 +70,7 @@ def prepare_overlaid(
             options=() if observer is None else ("--observer", observer),
             caption=caption,
             filename=filename or f"{name}-{'-'.join(id[:4] for id in ids)}.{settings.format}",
-            span=(float(t[0]), float(t[-1])),
+            span=(min(float(t[0]) for t in times), max(float(t[-1]) for t in times)),
         ),
         settings,
     )
