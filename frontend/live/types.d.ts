@@ -162,8 +162,17 @@ export interface State {
   /** Why there is no session. */
   problem: {title: string; detail: string} | null;
   notice: NoticeLine | null;
-  /** The step of a lesson that is shown, and whether true states and faults, and the diagnosis, are visible in it. */
-  lesson: {id: string; place: number; truth: boolean; diagnosis: boolean} | null;
+  /**
+   * The step of a lesson that is shown, whether true states and faults, and the diagnosis, are visible in it, and a level
+   * on one of its strips.
+   */
+  lesson: {
+    id: string;
+    place: number;
+    truth: boolean;
+    diagnosis: boolean;
+    line: {strip: string; at: number} | null;
+  } | null;
 }
 
 /** What the diagnosis is shown from, of a session or a run. */
@@ -317,6 +326,8 @@ export interface Strip {
   /** Whether the columns hold logarithms. */
   log: boolean;
   threshold: number | null;
+  /** A level above zero and below, of a lesson. */
+  line?: number | null;
   /** Relative height. */
   weight: number;
   /** Shown unless hidden by hand. */

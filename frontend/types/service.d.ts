@@ -480,6 +480,20 @@ export interface ControllerStateInput {
   description?: string | {[name: string]: string};
 }
 
+/** How often a column, or the difference of two, comes beyond ±level: as often as a detector with it cries alarm. */
+export interface Counts {
+  kind: 'counts';
+  /** A column of the session, say y.y1. */
+  column: string;
+  minus: string | null;
+  /** A level; dial: the one that the student has set. */
+  level: number | 'dial';
+  /** Time in s after the mark. */
+  start: number;
+  /** None: until the end of the step. */
+  end: number | null;
+}
+
 /** A lesson: experiments, and steps that run them. */
 export interface CourseLesson {
   id: string;
@@ -524,7 +538,7 @@ export interface CourseStep {
   /** Of a step with choices or a dial. */
   right_if: (Condition)[];
   run: StepRun | null;
-  measures: {[name: string]: Settles | Level | Crosses | Found | Diverged | GainNow};
+  measures: {[name: string]: Settles | Level | Crosses | Counts | Found | Diverged | GainNow};
   /** The first whose conditions hold is shown. */
   saw: (Saw)[];
   /** Where to look first after a wrong answer. */
@@ -534,13 +548,15 @@ export interface CourseStep {
   cause: Words | null;
 }
 
-/** The time in s after `since` at which a column is first above or below a level; none where it never is. */
+/** The time in s after `since` at which a column, or the difference of two, is first above, below or beyond a level. */
 export interface Crosses {
   kind: 'crosses';
   /** A column of the session, say y.y1. */
   column: string;
-  side: 'above' | 'below';
-  level: number;
+  minus: string | null;
+  side: 'above' | 'below' | 'beyond';
+  /** A level; dial: the one that the student has set. */
+  level: number | 'dial';
   /** Time in s after the mark. */
   since: number;
 }
@@ -641,11 +657,14 @@ export interface DiagnosisSettingsInput {
   accuracy?: number;
 }
 
-/** A slider for a gain of an observer, or for the size of a fault that is injected when the step runs. */
+/** A slider for a gain of an observer, or for a level that is drawn on a strip and used by measures. */
 export interface Dial {
   text: Words;
-  observer: string;
-  gain: string;
+  /** The observer whose gain it is; null: a level. */
+  observer: string | null;
+  gain: string | null;
+  /** The strip on which the level is drawn. */
+  strip: string | null;
   low: number;
   high: number;
   /** The value at the beginning, which does not meet the step's conditions. */
@@ -1452,6 +1471,8 @@ export interface JudgeRequest {
   step: number;
   /** Time of the session in s at which the step was started. */
   mark?: number;
+  /** The value of the step's dial; null: it has none. */
+  dial?: number | null;
 }
 
 /** What the session shows: measured numbers, and which answers they make right. */
@@ -1524,6 +1545,13 @@ export interface Level {
   start: number;
   /** None: until the end of the step. */
   end: number | null;
+}
+
+/** A level that is drawn on a strip, above zero and below. */
+export interface LevelLine {
+  /** A column of the session, say y.y1. */
+  strip: string;
+  at: number;
 }
 
 /** An input, known signal or output of the plant, and the column that it is read from. */
@@ -3798,6 +3826,8 @@ export interface StepView {
   truth: boolean;
   /** Whether the detector's findings are visible. */
   diagnosis: boolean;
+  /** A level on one of the strips. */
+  line: LevelLine | null;
 }
 
 /** Piecewise constant: values[0] before times[0], values[i] from times[i-1] on. */

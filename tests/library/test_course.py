@@ -38,8 +38,8 @@ class Seat:
     def column(self, name: str) -> np.ndarray:
         return np.concatenate([data[columns.index(name)] for columns, data in self.pieces])
 
-    def judged(self, step: CourseStep, commands: tuple) -> Judged:
-        """Carry out what the student chose, run the step, and judge it."""
+    def judged(self, step: CourseStep, commands: tuple, dial: float | None = None) -> Judged:
+        """Carry out what the student chose or set, run the step, and judge it."""
         mark = max(0, self.session.row - 1) * self.session.record
         commands = (*commands, *(step.run.do if step.run else ()))
         if commands:
@@ -54,6 +54,7 @@ class Seat:
             alarms=facts.alarms,
             diverged={e.subject: e.t for e in self.session.log if e.kind == "diverged" and e.subject},
             gains={one.label: dict(one.gains) for one in facts.observers},
+            dial=dial,
         )
         return judge(step, readings)
 
@@ -62,17 +63,21 @@ class Seat:
 def played(lesson: str, place: int) -> tuple[Judged, ...]:
     """Return the judgements of a step: one for each choice, or for two values of a dial, or one."""
     step = library.course()[lesson].steps[place]
-    return tuple(Seat(lesson, step).judged(step, commands) for commands in deeds(step)) if step.run else ()
+    return tuple(Seat(lesson, step).judged(step, *deed) for deed in deeds(step)) if step.run else ()
 
 
-def deeds(step: CourseStep) -> Iterator[tuple]:
+def deeds(step: CourseStep) -> Iterator[tuple[tuple, float | None]]:
+    """Yield what students do: commands, and the value of a dial."""
     if step.dial is not None:
         for value in (step.dial.value, step.dial.solution):
-            yield (SetGainNow(id=0, observer=step.dial.observer, gain=step.dial.gain, value=value),)
+            gain = step.dial.observer and SetGainNow(
+                id=0, observer=step.dial.observer, gain=step.dial.gain, value=value
+            )
+            yield (gain,) if gain else (), value
     elif step.choices:
-        yield from (choice.do for choice in step.choices)
+        yield from ((choice.do, None) for choice in step.choices)
     else:
-        yield ()
+        yield (), None
 
 
 @pytest.mark.parametrize(("lesson", "place"), STEPS)

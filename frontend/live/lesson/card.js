@@ -80,9 +80,7 @@ function dial(lesson, {text, low, high, unit}) {
     low,
     high,
     positive: true,
-    change: (value) => {
-      view.dial = value;
-    },
+    change: (value) => lesson.turn(value),
   });
   return h(
     'div',

@@ -130,7 +130,13 @@ export class Lesson {
     const show = step.show;
     this.app.store.dispatch({
       type: 'set',
-      lesson: {id: plan.id, place, truth: show?.truth ?? true, diagnosis: show?.diagnosis ?? false},
+      lesson: {
+        id: plan.id,
+        place,
+        truth: show?.truth ?? true,
+        diagnosis: show?.diagnosis ?? false,
+        line: step.dial?.strip ? {strip: step.dial.strip, at: step.dial.value} : (show?.line ?? null),
+      },
       looking: null,
     });
     document.documentElement.dataset.diagnosis = show?.diagnosis ? 'shown' : 'hidden';
@@ -162,6 +168,7 @@ export class Lesson {
     const kept = remembered(this.app.state.session ?? '');
     if (!kept || kept.place !== this.view.place || turn !== this.turns) return false;
     this.set({phase: 'before', chosen: kept.chosen, dial: kept.dial, mark: kept.mark});
+    if (kept.dial !== null) this.turn(kept.dial);
     this.chooseStrips();
     if (kept.ran) await this.judge(turn);
     return true;
@@ -182,6 +189,14 @@ export class Lesson {
         .then(() => this.app.state.problem && done(null));
     });
     this.set({mark: start.t ?? 0});
+  }
+
+  /** Set the dial; a level moves on its strip. @param {number} value */
+  turn(value) {
+    const {lesson} = this.app.state;
+    const {strip} = this.step.dial ?? {};
+    this.view.dial = value;
+    if (lesson && strip) this.app.store.dispatch({type: 'set', lesson: {...lesson, line: {strip, at: value}}});
   }
 
   /** Show the strips of the step, and the time until its end. */
@@ -225,10 +240,10 @@ export class Lesson {
 
   /** @param {number} turn */
   async judge(turn) {
-    const {plan, place, mark} = this.view;
+    const {plan, place, mark, dial} = this.view;
     const path = `/api/sessions/${encodeURIComponent(this.app.state.session ?? '')}/judge`;
     /** @type {service.Judged} */
-    const judged = await post(path, {lesson: plan.id, step: place, mark});
+    const judged = await post(path, {lesson: plan.id, step: place, mark, ...(dial === null ? {} : {dial})});
     if (turn !== this.turns) return;
     markDone(plan.id, place);
     this.set({phase: 'after', judged});

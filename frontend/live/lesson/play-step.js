@@ -45,7 +45,7 @@ export async function playStep(lesson, wanted) {
 function commandsOf({step, view}) {
   /** @type {BatchCommand[]} */
   const commands = [];
-  if (step.dial && view.dial !== null)
+  if (step.dial?.observer && step.dial.gain && view.dial !== null)
     commands.push({type: 'set-gain', observer: step.dial.observer, gain: step.dial.gain, value: view.dial});
   if (step.choices?.length && view.chosen !== null) commands.push(...plain(step.choices[view.chosen].do));
   commands.push(...plain(step.run?.do));

@@ -143,10 +143,11 @@ function drawGround(ctx, strip, {left, width, height}, view, range, scale, colou
   });
   ctx.strokeStyle = colours.line;
   if (!strip.log && range.low < 0 && range.high > 0) line(ctx, left, right, Math.round(scale.y(0)) + 0.5);
-  if (strip.threshold === null) return;
+  const levels = strip.line ? [strip.line, -strip.line] : strip.threshold === null ? [] : [strip.threshold];
+  if (!levels.length) return;
   ctx.strokeStyle = colours.alarm;
   ctx.setLineDash([3, 4]);
-  line(ctx, left, right, scale.y(strip.threshold));
+  for (const level of levels) line(ctx, left, right, scale.y(level));
   ctx.setLineDash([]);
 }
 

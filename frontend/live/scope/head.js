@@ -139,6 +139,7 @@ function legendOf(app, scope) {
     ),
     banded.length > 0 && bandOf(banded, app, key),
     (state.lesson?.truth ?? true) && item(key('tinted'), t('page.scope.fault-active')),
+    state.lesson?.line && item(key('alarm-line'), t('page.lesson.line')),
     diagnosed && item(key('triangle'), t('page.scope.alarm')),
     diagnosed && typeof state.facts?.judged === 'number' && item(key('hatched'), t('page.scope.not-judged')),
     parent &&

@@ -75,12 +75,25 @@ export function stripsOf({plant, columns, observers, faults, checks, strips: cho
   ];
   const few = presentation ? fewer(all) : () => true;
   const secret = lesson !== null && !lesson.truth;
+  const line = lesson?.line;
   return all.map((strip) => ({
     ...strip,
+    ...(line?.strip === strip.name ? lined(strip.base, line.at) : {}),
     truth: secret && strip.kind !== 'loop' ? null : strip.truth,
     shown: chosen[strip.name] ?? (strip.usual && few(strip)),
   }));
 }
+
+/**
+ * A level on a strip, with room for it on the axis.
+ * @param {Strip['base']} base
+ * @param {number} at
+ * @returns {Pick<Strip, 'line' | 'base'>}
+ */
+const lined = (base, at) => ({
+  line: at,
+  base: [Math.min(base?.[0] ?? 0, -1.15 * at), Math.max(base?.[1] ?? 0, 1.15 * at)],
+});
 
 /**
  * The strips of presentation mode: the fault channels and a state; if no observer estimates a fault, two states and a

@@ -69,6 +69,28 @@ def test_a_gain_is_right_where_the_session_says_so(page):
     assert lesson.watch.errors == []
 
 
+def test_a_line_is_drawn_where_the_student_sets_it(page):
+    """The dial moves the line on the strip; what counts is the alarms of that line."""
+    lesson = page("/?lesson=a-threshold-you-can-defend&step=5")
+    entered(lesson, 5)
+    line = f"{APP}.strips().find(({{name}}) => name === 'residual.y').line"
+    assert lesson.evaluate(line) == 0.05
+    assert "alarm line" in lesson.inner_text("#scope")
+    lesson.keyboard.press("PageDown")
+    lesson.wait_for_selector(".feedback:not(.right)")
+    lesson.click(".lesson-act .quiet")
+    entered(lesson, 5)
+    lesson.fill(".dial .number", "0.096")
+    lesson.keyboard.press("Tab")
+    until(lesson, f"{line} === 0.096")
+    lesson.click(".lesson-act .run")
+    lesson.wait_for_selector(".feedback.right")
+    lesson.reload()
+    lesson.wait_for_selector(".feedback.right")
+    assert lesson.evaluate(line) == 0.096
+    assert lesson.watch.errors == []
+
+
 def test_a_lesson_is_chinese_and_fits_a_phone(page):
     """In Chinese on a phone the card comes first, nothing is wider than the screen, and axe finds nothing serious."""
     lesson = page(f"{LESSON}&step=2", width=390, height=844, theme="dark")

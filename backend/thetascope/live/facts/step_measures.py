@@ -11,6 +11,7 @@ from thetascope_schemas.service.learning.course import CourseStep
 from thetascope_schemas.service.learning.judged import Judged
 from thetascope_schemas.service.learning.measures import (
     Condition,
+    Counts,
     Crosses,
     Diverged,
     Found,
@@ -35,6 +36,7 @@ class Readings:
         alarms: of the detector, with the times at which they were raised.
         diverged: time in s of each observer that has diverged, by label.
         gains: the present gains by label and name.
+        dial: the level that the student has set, None where the step has no such dial.
     """
 
     t: np.ndarray
@@ -43,6 +45,7 @@ class Readings:
     alarms: Sequence[Alarm] = ()
     diverged: Mapping[str, float] = field(default_factory=dict)
     gains: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
+    dial: float | None = None
 
     def rows(self, start: float, end: float | None) -> slice:
         """Return the rows from `start` to `end`, in s after the mark."""
@@ -59,6 +62,12 @@ def columns_of(step: CourseStep) -> tuple[str, ...]:
             if isinstance(name := getattr(measure, attribute, None), str):
                 names[name] = None
     return tuple(names)
+
+
+def earliest(step: CourseStep) -> float:
+    """Return the time in s after the mark from which the measures of a step read rows: 0, or before the mark."""
+    starts = [getattr(one, "start", getattr(one, "since", 0.0)) for one in step.measures.values()]
+    return min([0.0, *starts])
 
 
 def measured(step: CourseStep, readings: Readings) -> dict[str, float | None]:
@@ -90,6 +99,8 @@ def _value(measure: Measure, readings: Readings) -> float | None:
             value = _level(measure, readings)
         case Crosses():
             value = _crossing(measure, readings)
+        case Counts():
+            value = _count(measure, readings)
         case Found():
             value = _delay(measure, readings)
         case Diverged():
@@ -112,23 +123,37 @@ def _settling(measure: Settles, readings: Readings) -> float | None:
 
 
 def _level(measure: Level, readings: Readings) -> float | None:
-    rows = readings.rows(measure.start, measure.end)
-    values = readings.column(measure.column)[rows]
-    if measure.minus is not None:
-        values = values - readings.column(measure.minus)[rows]
+    values = _values(measure, readings)[readings.rows(measure.start, measure.end)]
     if not values.size:
         return None
     take = {"mean": np.mean, "std": np.std, "max": np.max, "min": np.min, "last": lambda all: all[-1]}
     return float(take[measure.take](values))
 
 
+def _values(measure: Level | Crosses | Counts, readings: Readings) -> np.ndarray:
+    """Return a column, or the difference of two."""
+    values = readings.column(measure.column)
+    return values if measure.minus is None else values - readings.column(measure.minus)
+
+
 def _crossing(measure: Crosses, readings: Readings) -> float | None:
     rows = readings.rows(measure.since, None)
-    values = readings.column(measure.column)[rows]
-    beyond = values > measure.level if measure.side == "above" else values < measure.level
+    level = readings.dial if measure.level == "dial" else measure.level
+    if level is None:
+        return None
+    values = _values(measure, readings)[rows]
+    beyond = {"above": values > level, "below": values < level, "beyond": np.abs(values) > level}[measure.side]
     if not beyond.any():
         return None
     return float(readings.t[rows][int(np.argmax(beyond))] - readings.mark - measure.since)
+
+
+def _count(measure: Counts, readings: Readings) -> float | None:
+    level = readings.dial if measure.level == "dial" else measure.level
+    if level is None:
+        return None
+    beyond = np.abs(_values(measure, readings)[readings.rows(measure.start, measure.end)]) > level
+    return float(np.count_nonzero(np.diff(beyond.astype(np.int8), prepend=0) > 0))
 
 
 def _delay(measure: Found, readings: Readings) -> float | None:

@@ -27,6 +27,15 @@ class StepStart(Strict):
     t: Instant = 0
 
 
+class LevelLine(Strict):
+    """A level that is drawn on a strip, above zero and below."""
+
+    model_config = example(strip="residual.y", at=0.075)
+
+    strip: ColumnName
+    at: Positive
+
+
 class StepView(Strict):
     """What of the session a step shows."""
 
@@ -38,6 +47,7 @@ class StepView(Strict):
     )
     truth: bool = Field(default=True, strict=True, description="Whether true states and faults are visible.")
     diagnosis: bool = Field(default=False, strict=True, description="Whether the detector's findings are visible.")
+    line: LevelLine | None = Field(default=None, description="A level on one of the strips.")
 
 
 class Answer(Strict):
@@ -62,7 +72,7 @@ class Choice(Strict):
 
 
 class Dial(Strict):
-    """A slider for a gain of an observer, or for the size of a fault that is injected when the step runs."""
+    """A slider for a gain of an observer, or for a level that is drawn on a strip and used by measures."""
 
     model_config = example(
         text={"en": "Gain", "zh": "增益"},
@@ -76,13 +86,20 @@ class Dial(Strict):
     )
 
     text: Words
-    observer: Reference
-    gain: Reference
+    observer: Reference | None = Field(default=None, description="The observer whose gain it is; null: a level.")
+    gain: Reference | None = None
+    strip: ColumnName | None = Field(default=None, description="The strip on which the level is drawn.")
     low: Positive
     high: Positive
     value: Positive = Field(description="The value at the beginning, which does not meet the step's conditions.")
     solution: Positive = Field(description="A value that meets them.")
     unit: str = Field(default="", max_length=20)
+
+    @model_validator(mode="after")
+    def _sets_one_thing(self) -> Self:
+        if (self.strip is None) == (self.observer is None) or (self.observer is None) != (self.gain is None):
+            raise refuse("course.dial.sets", field="strip", value=self.strip)
+        return self
 
 
 class StepRun(Strict):

@@ -13,6 +13,7 @@ class JudgeRequest(Strict):
     lesson: Identifier
     step: int = Field(ge=0, le=99, strict=True, description="Place of the step in its lesson, counted from 0.")
     mark: Instant = Field(default=0, description="Time of the session in s at which the step was started.")
+    dial: Number | None = Field(default=None, description="The value of the step's dial; null: it has none.")
 
 
 class Judged(Strict):

@@ -11,6 +11,7 @@ from thetascope_schemas.experiment.base import Number, Positive, Reference, Stri
 from thetascope_schemas.texts.refusal import refuse
 
 ColumnName = Annotated[str, Field(min_length=1, max_length=120, description="A column of the session, say y.y1.")]
+Line = Annotated[Number | Literal["dial"], Field(description="A level; dial: the one that the student has set.")]
 After = Annotated[float, Field(strict=True, allow_inf_nan=False, description="Time in s after the mark.")]
 
 
@@ -38,14 +39,30 @@ class Level(Strict):
 
 
 class Crosses(Strict):
-    """The time in s after `since` at which a column is first above or below a level; none where it never is."""
+    """The time in s after `since` at which a column, or the difference of two, is first above, below or beyond a level.
+
+    Beyond: above it, or below its negative. There is no such time where it never is.
+    """
 
     model_config = example(kind="crosses", column="slow.theta.leak", side="above", level=0.5, since=10.0)
     kind: Literal["crosses"] = "crosses"
     column: ColumnName
-    side: Literal["above", "below"]
-    level: Number
+    minus: ColumnName | None = None
+    side: Literal["above", "below", "beyond"]
+    level: Line
     since: After = 0
+
+
+class Counts(Strict):
+    """How often a column, or the difference of two, comes beyond ±level: as often as a detector with it cries alarm."""
+
+    model_config = example(kind="counts", column="y.y", minus="copy.y.y", level=0.075, start=-600.0, end=0.0)
+    kind: Literal["counts"] = "counts"
+    column: ColumnName
+    minus: ColumnName | None = None
+    level: Line
+    start: After = 0
+    end: After | None = Field(default=None, description="None: until the end of the step.")
 
 
 class Found(Strict):
@@ -74,7 +91,7 @@ class GainNow(Strict):
     gain: Reference
 
 
-Measure = Annotated[Settles | Level | Crosses | Found | Diverged | GainNow, Field(discriminator="kind")]
+Measure = Annotated[Settles | Level | Crosses | Counts | Found | Diverged | GainNow, Field(discriminator="kind")]
 
 
 class Condition(Strict):

@@ -14,7 +14,7 @@ from thetascope.api.http.answers import json_response
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed_as
 from thetascope.api.http.services import Services, Use
-from thetascope.live.facts.step_measures import Readings, columns_of, judge
+from thetascope.live.facts.step_measures import Readings, columns_of, earliest, judge
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import Unknown, invalid
 from thetascope_schemas.service.answers import CourseList
@@ -65,19 +65,21 @@ async def judge_step(request: Request, id: str, services: Use) -> Response:
     if body.step >= len(lesson.steps):
         raise invalid("step", body.step, Message("course.step.unknown", n=len(lesson.steps)))
     step = lesson.steps[body.step]
-    readings = await _readings(_room(services, id), step, body.mark)
+    readings = await _readings(_room(services, id), step, body)
     judged = await run_in_threadpool(judge, step, readings)
     return json_response(judged.model_dump(mode="json"))
 
 
-async def _readings(room: Any, step: CourseStep, mark: float) -> Readings:
+async def _readings(room: Any, step: CourseStep, body: JudgeRequest) -> Readings:
+    mark = body.mark
     record, shown, present = room.session.record, room.shown, room.broadcast.columns
     missing = [name for name in columns_of(step) if name not in present]
     if missing:
         raise invalid("step", missing[0], Message("course.step.other-session", column=missing[0]))
     await _caught_up(room)
     seconds = step.run.seconds if step.run else 0.0
-    first = min(shown, max(room.oldest, ceil(mark / record - 1e-6)))
+    begin = max(0.0, mark + earliest(step))
+    first = min(shown, max(room.oldest, ceil(begin / record - 1e-6)))
     last = max(first, min(shown, floor((mark + seconds) / record + 1e-6) + 1, first + _MOST_ROWS))
     names = columns_of(step)
     rows = await room.past_rows(names, first, last) if names else np.empty((0, last - first))
@@ -90,6 +92,7 @@ async def _readings(room: Any, step: CourseStep, mark: float) -> Readings:
         alarms=tuple(alarm for alarm in facts.alarms if alarm.t <= until),
         diverged={event.subject: event.t for event in room.session.log if event.kind == "diverged" and event.subject},
         gains={one.label: dict(one.gains) for one in facts.observers},
+        dial=body.dial,
     )
 
 

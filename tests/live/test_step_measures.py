@@ -1,0 +1,63 @@
+"""What steps of lessons measure: counts and crossings of a level, set or fixed, and rows before the step began."""
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from thetascope.live.facts.step_measures import Readings, earliest, measured
+from thetascope_schemas.service.learning.course import CourseStep
+
+T = np.arange(0.0, 10.0, 1.0)
+RESIDUAL = np.array([0.0, 3.0, 3.5, 0.0, -2.0, 0.0, 1.0, -4.0, 4.0, 0.0])
+WORDS = {"en": "Count.", "zh": "数一数。"}
+
+
+def step(**measures: dict) -> CourseStep:
+    fields = {"title": WORDS, "say": [WORDS], "start": {"experiment": "alone"}, "run": {"seconds": 6.0}}
+    return CourseStep.model_validate({**fields, "measures": measures})
+
+
+def readings(dial: float | None = None) -> Readings:
+    """Return rows of y and of an estimate, the difference of which is RESIDUAL, from 3 s before the mark."""
+    columns = {"y.y": RESIDUAL + 7.0, "copy.y.y": np.full(T.size, 7.0)}
+    return Readings(t=T, column=columns.__getitem__, mark=3.0, dial=dial)
+
+
+def test_a_stay_beyond_a_level_counts_once():
+    """Above or below; two rows on opposite sides are one alarm; rows before the mark count if asked for."""
+    counts = {"kind": "counts", "column": "y.y", "minus": "copy.y.y", "level": 1.5}
+    found = measured(step(after=counts, all={**counts, "start": -3.0}, early={**counts, "end": 2.0}), readings())
+    assert found == {"after": 2, "all": 3, "early": 1}
+
+
+def test_the_first_time_beyond_a_level_is_on_either_side():
+    """Above and below are one side each, and the first row may be there already."""
+    crosses = {"kind": "crosses", "column": "y.y", "minus": "copy.y.y", "level": 1.5}
+    sides = {side: {**crosses, "side": side} for side in ("above", "below", "beyond")}
+    far = {**crosses, "side": "beyond", "level": 9}
+    assert measured(step(**sides, never=far), readings()) == {"above": 5, "below": 0, "beyond": 1, "never": None}
+
+
+def test_a_level_may_be_the_one_that_the_student_has_set():
+    """Without a dial there is no number."""
+    counts = {"kind": "counts", "column": "y.y", "minus": "copy.y.y", "level": "dial"}
+    plan = step(alarms=counts, delay={**counts, "kind": "crosses", "side": "beyond"})
+    assert measured(plan, readings(dial=3.2)) == {"alarms": 1, "delay": 4}
+    assert measured(plan, readings()) == {"alarms": None, "delay": None}
+
+
+def test_a_step_may_read_rows_before_its_mark():
+    """The earliest time of all its measures counts, and never one after the mark."""
+    level = {"kind": "level", "take": "mean", "column": "y.y"}
+    assert earliest(step(before={**level, "start": -2.0, "end": 0.0}, late={**level, "start": 5.0})) == -2.0
+    assert earliest(step(late={**level, "start": 5.0})) == earliest(step()) == 0.0
+    assert earliest(step(found={"kind": "found", "since": -70.0})) == -70.0
+
+
+@pytest.mark.parametrize("sets", [{}, {"strip": "residual.y", "observer": "copy", "gain": "rho"}, {"observer": "copy"}])
+def test_a_dial_sets_a_gain_or_a_level(sets):
+    """Neither, both, and half a gain are refused."""
+    dial = {"text": WORDS, "low": 0.1, "high": 1.0, "value": 0.2, "solution": 0.5, **sets}
+    with pytest.raises(ValidationError) as caught:
+        CourseStep.model_validate({"title": WORDS, "say": [WORDS], "dial": dial})
+    assert [error["ctx"]["code"] for error in caught.value.errors()] == ["course.dial.sets"]
