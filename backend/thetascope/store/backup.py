@@ -11,8 +11,9 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from sqlalchemy import Connection, Table, delete, func, insert, select
+from sqlalchemy import Connection, Table, Text, delete, func, insert, select
 
 from thetascope.messages import Message
 from thetascope.store.backends.sqlite import SQLite
@@ -154,7 +155,13 @@ def _copy_rows(source: Database, target: Connection, all_rows: bool = False) -> 
             for place in reading.execute(select(*keys)).all():
                 row = _row(reading, table, dict(zip(keys, place, strict=True)))
                 if row is not None and (all_rows or whole(row)):
-                    target.execute(insert(table), dict(row._mapping))
+                    target.execute(insert(table), _accepted(table, row))
+
+
+def _accepted(table: Table, row: Any) -> dict[str, Any]:
+    """Return the values of a row that a store accepts: 0 or an empty text where damage left nothing."""
+    empty = {column.name: "" if isinstance(column.type, Text) else 0 for column in table.columns if not column.nullable}
+    return {name: empty.get(name) if value is None else value for name, value in row._mapping.items()}
 
 
 def _row(reading: Connection, table: Table, key: dict):

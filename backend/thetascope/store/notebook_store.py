@@ -13,9 +13,9 @@ from sqlalchemy.dialects import postgresql, sqlite
 from thetascope.store.database import Database
 from thetascope.store.notebook.facts import KINDS, RunFacts, facts_of_row, put_facts, set_kind
 from thetascope.store.notebook.listing import GROUPS, MEASURES, Counts, RunQuery, conditions, joined, ordered
-from thetascope.store.notebook.removal import erase, mark_removed
+from thetascope.store.notebook.removal import erase, mark_removed, show_hidden
 from thetascope.store.run_store import Record, listed_record
-from thetascope.store.tables import COMPARISON_NOTES, OWNERS, RUN_FACTS, RUN_NOTES, RUNS, as_text
+from thetascope.store.tables import COMPARISON_NOTES, OWNERS, RUN_FACTS, RUN_NOTES, RUNS, as_json, as_text, was_removed
 
 log = logging.getLogger(__name__)
 
@@ -75,7 +75,8 @@ class NotebookStore:
 
     def without_facts(self) -> list[str]:
         """Return ids of stored runs that have no facts, the newest first: an earlier version wrote them."""
-        missing = select(RUNS.c.id).where(RUNS.c.id.not_in(select(RUN_FACTS.c.run)) & RUNS.c.removed.is_(None))
+        known = select(RUN_FACTS.c.run).where(RUN_FACTS.c.run == RUNS.c.id).exists()
+        missing = select(RUNS.c.id).where(~known & RUNS.c.id.is_not(None) & RUNS.c.removed.is_(None))
         with self._database.reading() as connection:
             return list(connection.execute(missing.order_by(RUNS.c.created.desc()).limit(_MANY)).scalars())
 
@@ -99,7 +100,7 @@ class NotebookStore:
         """Return what an owner notes about the comparison of runs, "" if nothing."""
         here = (COMPARISON_NOTES.c.runs == _together(ids)) & (COMPARISON_NOTES.c.owner == owner)
         with self._database.reading() as connection:
-            return connection.execute(select(COMPARISON_NOTES.c.text).where(here)).scalar_one_or_none() or ""
+            return as_text(connection.execute(select(COMPARISON_NOTES.c.text).where(here)).scalar_one_or_none())
 
     def note_comparison(self, ids: Sequence[str], owner: str, text: str) -> None:
         """Write what an owner notes about the comparison of runs; an empty text removes it."""
@@ -126,9 +127,10 @@ class NotebookStore:
             return mark_removed(connection, id, None)
 
     def erase(self, before: float) -> int:
-        """Erase the runs that were removed before a time; return their number."""
+        """Erase the runs that were removed before a time, and show those that damage hides; return how many went."""
         with self._database.writing() as connection:
-            return erase(connection, RUNS.c.removed < before)
+            show_hidden(connection)
+            return erase(connection, was_removed(RUNS.c.removed, before))
 
     def _put_note(self, id: str, owner: str, changes: dict[str, Any]) -> None:
         with self._database.writing() as connection:
@@ -185,7 +187,7 @@ def _together(ids: Sequence[str]) -> str:
 def tags_of(text: str | None) -> tuple[str, ...]:
     """Return the tags that a list in JSON holds; none if it cannot be read."""
     try:
-        return tuple(str(tag) for tag in json.loads(text or "[]"))
+        return tuple(str(tag) for tag in as_json(text) or ())
     except (ValueError, TypeError, RecursionError):
         log.error("the tags of a run cannot be read")
         return ()

@@ -10,10 +10,11 @@ from sqlalchemy import Float, LargeBinary, and_, cast, delete, desc, func, inser
 from thetascope.messages import Message
 from thetascope.store.database import Database
 from thetascope.store.errors import Damaged
-from thetascope.store.tables import PLANTS, as_number, as_text, has_plant, plant_sum
+from thetascope.store.tables import PLANTS, as_number, as_text, has_plant, plant_sum, was_removed
 
 ROW = 1024
 """Bytes that a version counts in addition to its text."""
+_MOST = 10**9  # versions; a higher number is damage
 _KEPT = 30 * 24 * 3600.0  # s that a deleted plant can be restored
 _LISTED = [column for column in PLANTS.c if column.name not in ("text", "checksum")]
 _WITHOUT_TEXT = (*_LISTED, literal("").label("text"))
@@ -58,11 +59,15 @@ class PlantStore:
         clean = replace(plant, text=plant.text.replace("\0", "\ufffd"), title=plant.title.replace("\0", "\ufffd"))
         mine = (PLANTS.c.owner == clean.owner) & (PLANTS.c.id == clean.id)
         with self._database.writing() as connection:
-            connection.execute(delete(PLANTS).where(PLANTS.c.removed < time.time() - _KEPT))
+            connection.execute(delete(PLANTS).where(was_removed(PLANTS.c.removed, time.time() - _KEPT)))
             last = connection.execute(
-                select(PLANTS).where(mine).order_by(desc(PLANTS.c.version)).limit(1)
+                select(PLANTS)
+                .where(mine & PLANTS.c.version.between(1, _MOST))
+                .order_by(desc(PLANTS.c.version))
+                .limit(1)
             ).one_or_none()
-            if last is not None and last.removed is None and last.text == clean.text and last.ready == clean.ready:
+            same = last is not None and last.removed is None and last.text == clean.text and last.ready == clean.ready
+            if same and has_plant(last):
                 return self._version(last)
             stored = replace(clean, version=max(clean.version, 0 if last is None else last.version) + 1)
             row = {**vars(stored), "ready": int(stored.ready), "saved": float(stored.saved)}
@@ -134,12 +139,12 @@ class PlantStore:
             length = func.length(cast(PLANTS.c.text, LargeBinary)) if is_sqlite else func.octet_length(PLANTS.c.text)
             size = func.sum(cast(length, Float)) + ROW * func.count()
             rows = connection.execute(select(PLANTS.c.owner, size).group_by(PLANTS.c.owner))
-            return {owner: int(used) for owner, used in rows}
+            return {as_text(owner): int(as_number(used)) for owner, used in rows}
 
     @staticmethod
     def _version(row) -> PlantVersion:
         if not has_plant(row):
-            raise Damaged(Message("store.plant-damaged", id=str(row.id)[:64], version=row.version))
+            raise Damaged(Message("store.plant-damaged", id=as_text(row.id)[:64], version=int(as_number(row.version))))
         facts = (row.title, row.format, row.faults, bool(row.ready))
         return PlantVersion(row.owner, row.id, row.version, *facts, row.text, row.saved)
 
@@ -148,7 +153,7 @@ def _listed(rows: Iterable[Any]) -> list[PlantVersion]:
     """Return the versions in rows without texts. They are not verified, and a damaged field is empty."""
     return [
         PlantVersion(
-            *(row.owner, row.id, row.version),
+            *(as_text(row.owner), as_text(row.id), int(as_number(row.version))),
             *(as_text(row.title), as_text(row.format), int(as_number(row.faults)), row.ready == 1),
             *("", as_number(row.saved)),
         )

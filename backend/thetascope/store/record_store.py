@@ -32,7 +32,7 @@ def has_record(row: Any) -> bool:
     try:
         decoder = zlib.decompressobj()
         data = decoder.decompress(row.data, int(row.size) + 1)
-    except (zlib.error, TypeError, ValueError):
+    except (zlib.error, TypeError, ValueError, OverflowError):
         return False
     return len(data) == row.size and record_id(data) == row.id
 
@@ -156,4 +156,4 @@ class RecordStore:
             own = select(RECORD_SHARES.c.record).where(RECORD_SHARES.c.owner == owner)
             query = query.where(RECORDS.c.id.in_(own))
         with self._database.reading() as connection:
-            return int(connection.execute(query).scalar_one())
+            return int(as_number(connection.execute(query).scalar_one()))

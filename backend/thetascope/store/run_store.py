@@ -24,6 +24,7 @@ from thetascope.store.tables import (
     RESULTS,
     RUN_NOTES,
     RUNS,
+    as_number,
     has_result,
     has_spec,
     is_time,
@@ -292,7 +293,7 @@ class RunStore:
             if error.problem.code != "store.damaged":
                 raise
             log.error("%s", error)
-        return {"runs": runs, "results": results, "bytes": int(size), "limit": self._limit}
+        return {"runs": runs, "results": results, "bytes": int(as_number(size)), "limit": self._limit}
 
     def _drop(self, id: str, engine: str) -> None:
         """Remove a damaged result; where the store cannot be written, count it as absent."""

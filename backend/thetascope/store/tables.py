@@ -2,68 +2,56 @@
 
 import hashlib
 import json
-from collections.abc import Callable
 from typing import Any
 
-from sqlalchemy import Column, Dialect, Float, LargeBinary, MetaData, Table, Text
-from sqlalchemy.types import BigInteger
+from sqlalchemy import Column, ColumnElement, MetaData, Table
 
-
-class Blob(LargeBinary):
-    """Bytes that are written from a buffer, and read as the driver returns them: a damaged row may hold other types."""
-
-    cache_ok = True
-
-    def bind_processor(self, dialect: Dialect) -> Callable[..., Any] | None:
-        """Return how a value is passed to the driver: SQLite reads from the buffer itself."""
-        return None if dialect.name == "sqlite" else bytes
-
-    def result_processor(self, dialect: Dialect, coltype: object) -> None:
-        """Return that values are left as they are."""
-        return
-
+from thetascope.store.backends.column_types import Blob, Characters, Real, Whole
 
 METADATA = MetaData()
+
+_EARLIEST, _LATEST = 1e9, 253402300800.0
+"""Times in s since 1970: before the first removal, and the year 10000."""
 
 #: Specs are kept. `spec_sum` and `outcome_sum` are checksums of what is posted and of what is computed. `pinned`
 #: changes without the rest and is in neither, as is `removed`: the time at which it was removed, null before.
 RUNS = Table(
     "runs",
     METADATA,
-    Column("id", Text, primary_key=True),
-    Column("spec", Text, nullable=False),
-    Column("title", Text, nullable=False),
-    Column("status", Text, nullable=False),
-    Column("error", Text),
-    Column("summary", Text),
-    Column("engine", Text, nullable=False),
-    Column("created", Float, nullable=False),
-    Column("pinned", BigInteger, nullable=False),
-    Column("spec_sum", Text),
-    Column("outcome_sum", Text),
-    Column("removed", Float),
+    Column("id", Characters, primary_key=True),
+    Column("spec", Characters, nullable=False),
+    Column("title", Characters, nullable=False),
+    Column("status", Characters, nullable=False),
+    Column("error", Characters),
+    Column("summary", Characters),
+    Column("engine", Characters, nullable=False),
+    Column("created", Real, nullable=False),
+    Column("pinned", Whole, nullable=False),
+    Column("spec_sum", Characters),
+    Column("outcome_sum", Characters),
+    Column("removed", Real),
 )
 
 #: Results can be computed again, and are deleted to free space.
 RESULTS = Table(
     "results",
     METADATA,
-    Column("id", Text, primary_key=True),
-    Column("engine", Text, primary_key=True),
-    Column("used", Float, nullable=False),
-    Column("size", BigInteger, nullable=False),
-    Column("rows", BigInteger, nullable=False),
-    Column("head", Text, nullable=False),
+    Column("id", Characters, primary_key=True),
+    Column("engine", Characters, primary_key=True),
+    Column("used", Real, nullable=False),
+    Column("size", Whole, nullable=False),
+    Column("rows", Whole, nullable=False),
+    Column("head", Characters, nullable=False),
     Column("data", Blob, nullable=False),
-    Column("checksum", Text),
+    Column("checksum", Characters),
 )
 
 #: Who posted a run: equal experiments share one row of `runs`, so a run may have several owners, or none.
 OWNERS = Table(
     "owners",
     METADATA,
-    Column("run", Text, primary_key=True),
-    Column("owner", Text, primary_key=True),
+    Column("run", Characters, primary_key=True),
+    Column("owner", Characters, primary_key=True),
 )
 
 #: Facts by which runs are listed, sought and sorted. They follow from spec and outcome, and are computed once. `words`,
@@ -71,45 +59,45 @@ OWNERS = Table(
 RUN_FACTS = Table(
     "run_facts",
     METADATA,
-    Column("run", Text, primary_key=True),
-    Column("experiment", Text, nullable=False),
-    Column("kind", Text, nullable=False),
-    Column("rmse", Float),
-    Column("delay", Float),
-    Column("false_alarms", BigInteger),
-    Column("words", Text, nullable=False),
-    Column("numbers", Text, nullable=False),
-    Column("changes", Text, nullable=False),
-    Column("shown", Text, nullable=False),
+    Column("run", Characters, primary_key=True),
+    Column("experiment", Characters, nullable=False),
+    Column("kind", Characters, nullable=False),
+    Column("rmse", Real),
+    Column("delay", Real),
+    Column("false_alarms", Whole),
+    Column("words", Characters, nullable=False),
+    Column("numbers", Characters, nullable=False),
+    Column("changes", Characters, nullable=False),
+    Column("shown", Characters, nullable=False),
 )
 
 #: What an owner calls a run, its tags as a JSON list, and the time at which the owner removed it, null before.
 RUN_NOTES = Table(
     "run_notes",
     METADATA,
-    Column("run", Text, primary_key=True),
-    Column("owner", Text, primary_key=True),
-    Column("name", Text, nullable=False),
-    Column("tags", Text, nullable=False),
-    Column("removed", Float),
+    Column("run", Characters, primary_key=True),
+    Column("owner", Characters, primary_key=True),
+    Column("name", Characters, nullable=False),
+    Column("tags", Characters, nullable=False),
+    Column("removed", Real),
 )
 
 #: What an owner notes about a comparison of runs; `runs` has their ids in alphabetical order, with commas.
 COMPARISON_NOTES = Table(
     "comparison_notes",
     METADATA,
-    Column("runs", Text, primary_key=True),
-    Column("owner", Text, primary_key=True),
-    Column("text", Text, nullable=False),
+    Column("runs", Characters, primary_key=True),
+    Column("owner", Characters, primary_key=True),
+    Column("text", Characters, nullable=False),
 )
 
 #: Files of records: the id is the hash of the unpacked bytes, and so their checksum. They cannot be computed again.
 RECORDS = Table(
     "records",
     METADATA,
-    Column("id", Text, primary_key=True),
-    Column("size", BigInteger, nullable=False),
-    Column("created", Float, nullable=False),
+    Column("id", Characters, primary_key=True),
+    Column("size", Whole, nullable=False),
+    Column("created", Real, nullable=False),
     Column("data", Blob, nullable=False),
 )
 
@@ -117,12 +105,12 @@ RECORDS = Table(
 RECORD_SHARES = Table(
     "record_shares",
     METADATA,
-    Column("record", Text, primary_key=True),
-    Column("owner", Text, primary_key=True),
-    Column("name", Text, nullable=False),
-    Column("plant", Text),
-    Column("mapping", Text),
-    Column("changed", Float, nullable=False),
+    Column("record", Characters, primary_key=True),
+    Column("owner", Characters, primary_key=True),
+    Column("name", Characters, nullable=False),
+    Column("plant", Characters),
+    Column("mapping", Characters),
+    Column("changed", Real, nullable=False),
 )
 
 #: Plants that clients have saved, one row a version. `title`, `format`, `faults` and `ready` are facts of the text;
@@ -130,17 +118,17 @@ RECORD_SHARES = Table(
 PLANTS = Table(
     "plants",
     METADATA,
-    Column("owner", Text, primary_key=True),
-    Column("id", Text, primary_key=True),
-    Column("version", BigInteger, primary_key=True),
-    Column("title", Text, nullable=False),
-    Column("format", Text, nullable=False),
-    Column("faults", BigInteger, nullable=False),
-    Column("ready", BigInteger, nullable=False),
-    Column("text", Text, nullable=False),
-    Column("saved", Float, nullable=False),
-    Column("removed", Float),
-    Column("checksum", Text, nullable=False),
+    Column("owner", Characters, primary_key=True),
+    Column("id", Characters, primary_key=True),
+    Column("version", Whole, primary_key=True),
+    Column("title", Characters, nullable=False),
+    Column("format", Characters, nullable=False),
+    Column("faults", Whole, nullable=False),
+    Column("ready", Whole, nullable=False),
+    Column("text", Characters, nullable=False),
+    Column("saved", Real, nullable=False),
+    Column("removed", Real),
+    Column("checksum", Characters, nullable=False),
 )
 
 
@@ -190,7 +178,12 @@ def is_whole(row: Any) -> bool:
 
 def is_time(created: object) -> bool:
     """Return whether a value is a time in seconds since 1970, before the year 10000."""
-    return isinstance(created, float | int) and 0 <= created < 253402300800
+    return isinstance(created, float | int) and 0 <= created < _LATEST
+
+
+def was_removed(removed: ColumnElement[Any], before: float = _LATEST) -> ColumnElement[bool]:
+    """Return the condition that a row was removed before a time. No other value erases a row: it is damage."""
+    return removed.between(_EARLIEST, before)
 
 
 def has_result(row: Any) -> bool:
@@ -212,6 +205,14 @@ def has_plant(row: Any) -> bool:
 def as_text(value: object) -> str:
     """Return the text in a field that may be damaged, in characters that can be sent; "" for another value."""
     return value.encode("utf-8", "replace").decode("utf-8") if isinstance(value, str) else ""
+
+
+def as_json(text: str | None) -> Any:
+    """Return the data in a JSON text, in characters that can be sent. Raises ValueError, TypeError, RecursionError."""
+    data = json.loads(text or "null")
+    if text and "\\u" in text:  # an escape may be half of a pair
+        data = json.loads(json.dumps(data, ensure_ascii=False).encode("utf-8", "replace"))
+    return data
 
 
 def as_number(value: object) -> float:

@@ -54,7 +54,7 @@ def _damaged_plants(database: Database) -> list[Message]:
             wrong = [row for row in connection.execute(select(PLANTS)) if not has_plant(row)]
     except StoreError as error:
         return [error.problem]
-    return [Message("store.defect.plant", id=_shown(row.id), version=row.version) for row in wrong]
+    return [Message("store.defect.plant", id=_shown(row.id), version=row.version or 0) for row in wrong]
 
 
 def _records(database: Database, defects: list[Message]) -> list[str]:
@@ -74,7 +74,7 @@ def _is_record(database: Database, id: str) -> bool:
             row = connection.execute(select(RECORDS).where(RECORDS.c.id == id)).one_or_none()
     except StoreError:
         return False
-    return row is None or has_record(row)  # None: it was removed meanwhile
+    return _is_plain(id) if row is None else has_record(row)  # None: it was removed meanwhile
 
 
 def _structure(database: Database) -> list[str]:
@@ -94,7 +94,12 @@ def _is_readable(database: Database, id: str, engine: str) -> bool:
             row = connection.execute(query).one_or_none()
     except StoreError:
         return False
-    return row is None or has_result(row)  # None: it was removed meanwhile
+    return _is_plain(id, engine) if row is None else has_result(row)  # None: it was removed meanwhile
+
+
+def _is_plain(*key: object) -> bool:
+    """Return whether a key is not damaged so that its row cannot be found by it."""
+    return all(isinstance(part, str) and part.isascii() for part in key)
 
 
 def _shown(id: object) -> str:

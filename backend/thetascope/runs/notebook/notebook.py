@@ -28,6 +28,7 @@ class Notebook:
 
     def __init__(self, store: NotebookStore, stored_runs: RunStore, runs: RunManager) -> None:
         self._store, self._stored_runs, self._runs = store, stored_runs, runs
+        self._completed: set[str] = set()
 
     def begin(self) -> None:
         """Erase the runs that were removed before this start."""
@@ -107,11 +108,12 @@ class Notebook:
             self._runs.written_in_order(lambda: self._store.set_kind(id, "session"))
 
     def _complete(self) -> None:
-        """Write the facts of runs that an earlier version stored."""
+        """Write the facts of runs that an earlier version stored; once, as a damaged id takes no facts."""
         if self._store.read_only:
             return
         try:
-            while missing := self._store.without_facts():
+            while missing := [id for id in self._store.without_facts() if id not in self._completed]:
+                self._completed.update(missing)
                 self._store.put_facts({id: self._facts(id) or RunFacts("") for id in missing})
         except StoreError as error:
             log.error("%s", error)

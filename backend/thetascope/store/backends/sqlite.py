@@ -116,5 +116,5 @@ class SQLite:
 
 
 def _text(raw: bytes) -> str:
-    """Return a text; bytes that are not UTF-8 in a damaged row do not hide the others."""
-    return raw.decode("utf-8", "surrogateescape")
+    """Return a text that can be sent; bytes that are not UTF-8 in a damaged row do not hide the others."""
+    return raw.decode("utf-8", "replace")

@@ -9,7 +9,7 @@ from sqlalchemy import Connection, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 
 from thetascope.messages import Message
-from thetascope.store.tables import RUN_FACTS, as_number, as_text
+from thetascope.store.tables import RUN_FACTS, as_json, as_number, as_text
 
 KINDS = ("run", "session", "record")
 """A run that was asked for, a live session that was saved, and observers on a record."""
@@ -69,7 +69,7 @@ def facts_of_row(row: Any) -> RunFacts | None:
     if row.kind not in KINDS or not all(map(_is_measure, measures)):
         return None
     try:
-        data = {name: json.loads(getattr(row, name)) for name in _JSON}
+        data = {name: as_json(getattr(row, name)) for name in _JSON}
     except (TypeError, ValueError, RecursionError):
         return None
     well_formed = all(isinstance(data[name], kind) for name, kind in _JSON.items())
