@@ -3820,8 +3820,8 @@ export interface StepStart {
 export interface StepView {
   /** Names of strips, from the top. */
   strips: (string)[];
-  /** copy: the plant and the observer beside it, with their levels. */
-  picture: 'plant' | 'copy' | 'none';
+  /** copy: the plant and the observer beside it, with their levels; hysteresis: its loop and gaps. */
+  picture: 'plant' | 'copy' | 'hysteresis' | 'none';
   /** Whether true states and faults are visible. */
   truth: boolean;
   /** Whether the detector's findings are visible. */

@@ -77,7 +77,7 @@ export class Lesson {
     const main = query('#main');
     const centre = query('.centre', main);
     main.prepend(this.card);
-    centre.prepend(this.picture, query('#panel-plant'), this.cause);
+    centre.prepend(this.picture, query('#panel-plant'), query('#hysteresis'), this.cause);
     centre.append(query('#panel-diagnosis'));
     main.after(this.foot);
     mountCopyPicture(this.picture, app);
@@ -140,6 +140,7 @@ export class Lesson {
       looking: null,
     });
     document.documentElement.dataset.diagnosis = show?.diagnosis ? 'shown' : 'hidden';
+    document.documentElement.dataset.picture = show?.picture ?? 'plant';
     query('#panel-plant').hidden = show?.picture !== undefined && show.picture !== 'plant';
     this.picture.hidden = show?.picture !== 'copy';
     this.set({

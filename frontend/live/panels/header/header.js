@@ -132,7 +132,7 @@ export function mount(element, app) {
     if (words.textContent !== said) words.textContent = said;
     if (!words.isConnected) fill(state, h('span', {class: 'dot'}), words);
   };
-  app.subscribe((s) => s.language, label);
+  app.subscribe((s) => [s.language, s.lesson === null], label);
   app.subscribe((s) => [s.connection, s.role, s.viewers], connect);
   app.subscribe(
     (s) => s.role,

@@ -42,8 +42,9 @@ class StepView(Strict):
     model_config = example(strips=["x.h1", "residual.y"], picture="copy")
 
     strips: tuple[ColumnName, ...] = Field(default=(), max_length=4, description="Names of strips, from the top.")
-    picture: Literal["plant", "copy", "none"] = Field(
-        default="plant", description="copy: the plant and the observer beside it, with their levels."
+    picture: Literal["plant", "copy", "hysteresis", "none"] = Field(
+        default="plant",
+        description="copy: the plant and the observer beside it, with their levels; hysteresis: its loop and gaps.",
     )
     truth: bool = Field(default=True, strict=True, description="Whether true states and faults are visible.")
     diagnosis: bool = Field(default=False, strict=True, description="Whether the detector's findings are visible.")
