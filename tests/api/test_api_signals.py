@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from tests.api.test_api_large_bodies import computations
 from tests.live.session.test_input_commands import SHAPES
 from thetascope import library
 from thetascope.client import ServiceError
@@ -44,6 +45,16 @@ def test_a_curve_that_cannot_be_drawn_is_refused(client, body, field):
     with pytest.raises(ServiceError) as refusal:
         client.post("/api/signals/curve", body)
     assert field in str(refusal.value)
+
+
+def test_a_curve_of_many_draws_is_computed_in_a_worker(client, address):
+    """It takes a tenth of a second, in which the service would answer nobody else."""
+    before = computations(address)
+    long = {"signal": {"kind": "prbs", "hold": 1e-12}, "start": 0, "end": 60, "places": 2000}
+    client.post("/api/signals/curve", long)
+    assert computations(address) == before + 1
+    client.post("/api/signals/curve", long | {"signal": {"kind": "prbs", "hold": 0.1}})
+    assert computations(address) == before + 1
 
 
 @pytest.mark.parametrize(

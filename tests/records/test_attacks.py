@@ -259,6 +259,16 @@ def test_random_text_is_refused_or_read(words):
         assert all(len(column.values) == len(found) for column in found.columns)
 
 
+@pytest.mark.parametrize(
+    "content", ["{}", "[]", "[{}, {}]", "{}\n{}\n{}", '{"a": {}}', '[{"a": {}}, {}]', "[[]]", "null"]
+)
+def test_a_file_without_a_column_is_refused(content):
+    """JSON that holds no value."""
+    with pytest.raises(SpecError) as refusal:
+        read_table("a.json", content.encode())
+    assert refusal.value.problem.code.startswith("record.")
+
+
 def test_a_table_may_have_so_many_cells_and_no_more(monkeypatch):
     """The limit is checked with the numbers of rows and columns in the sentence."""
     monkeypatch.setattr(table, "MOST_ROWS", 100)

@@ -104,7 +104,7 @@ class NotebookStore:
 
     def note_comparison(self, ids: Sequence[str], owner: str, text: str) -> None:
         """Write what an owner notes about the comparison of runs; an empty text removes it."""
-        row = {"runs": _together(ids), "owner": owner, "text": text}
+        row = {"runs": _together(ids), "owner": owner, "text": text.replace("\0", "\ufffd")}
         here = (COMPARISON_NOTES.c.runs == row["runs"]) & (COMPARISON_NOTES.c.owner == owner)
         with self._database.writing() as connection:
             connection.execute(delete(COMPARISON_NOTES).where(here))

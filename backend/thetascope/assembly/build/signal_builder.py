@@ -10,6 +10,7 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.inputs import curve, fault_signals, signals
 from thetascope_schemas import Input, Plant, ResolvedExperiment
 from thetascope_schemas.experiment.controllers import SetPoint
+from thetascope_schemas.experiment.signals import ExpressionSignal
 from thetascope_schemas.service.figures.signal_curve import SignalCurve, SignalCurveRequest
 
 
@@ -56,6 +57,14 @@ def signals_of(
         name = f"theta.{c.name}"
         built[name] = known.get(name) or fault_signals.theta(c.name, _plain(spec, c.name), spec.seed)
     return built | {f"r.{r.name}": commanded(f"r.{r.name}", r) for r in plant.references}
+
+
+def takes_long(request: SignalCurveRequest) -> bool:
+    """Return whether a curve takes tenths of a second: a text, or more jumps than are evaluated at a time."""
+    given = request.signal
+    interval = getattr(given, "hold", getattr(given, "period", None))
+    many = interval is not None and (request.end - request.start) / interval > curve.MOST / 8
+    return many or isinstance(given, ExpressionSignal)
 
 
 def curve_of(request: SignalCurveRequest) -> SignalCurve:

@@ -6,7 +6,7 @@ from thetascope.engine.inputs.signals import Signal
 
 _FINE = 4  # samples for each place of a figure
 _GOLDEN = 0.6180339887498949
-_MOST = 10**6  # jumps in the span, from which on samples are evaluated one by one: random values have all in between
+MOST = 10**6  # jumps in the span, from which on samples are evaluated one by one: random values have all in between
 
 
 def curve(signal: Signal, start: float, end: float, places: int, interval: float | None = None) -> np.ndarray:
@@ -34,7 +34,7 @@ def curve(signal: Signal, start: float, end: float, places: int, interval: float
     anchors = np.concatenate([np.clip(inner, start + aside, end - aside), breaks - aside, breaks + aside])
     order = np.argsort(anchors, kind="stable")
     times, anchors = times[order], anchors[order]
-    if interval is None or (end - start) / interval <= _MOST:
+    if interval is None or (end - start) / interval <= MOST:
         return np.stack([times, signal(times, anchors)])
     single = [signal(times[k : k + 1], anchors[k : k + 1]) for k in range(len(times))]
     return np.stack([times, np.concatenate(single)])

@@ -63,7 +63,7 @@ def read_table(name: str, data: bytes) -> Table:
     module, function = _READERS[kind]
     try:
         reader: Reader = getattr(import_module(module), function)
-        return reader(name, data)
+        table = reader(name, data)
     except ThetascopeError:
         raise
     except ModuleNotFoundError as error:
@@ -79,6 +79,9 @@ def read_table(name: str, data: bytes) -> Table:
         if type(error).__name__ != "PanicException":  # of a reader that is written in Rust
             raise
         raise damaged(kind, error) from None
+    if not table.columns:
+        raise SpecError("file", name[-60:], Message("record.file.no-columns"))
+    return table
 
 
 def damaged(kind: str, error: BaseException) -> SpecError:

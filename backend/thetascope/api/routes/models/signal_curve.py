@@ -8,7 +8,6 @@ from thetascope.api.http.computed import computed
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed_as
 from thetascope.api.http.services import Use
-from thetascope_schemas.experiment.signals import ExpressionSignal
 from thetascope_schemas.service.figures.signal_curve import SignalCurve, SignalCurveRequest
 
 router = APIRouter(tags=["catalogue"])
@@ -26,10 +25,13 @@ async def signal_curve(request: Request, services: Use) -> Response:
     The values are those that a run with this signal has.
     """
 
-    from thetascope.assembly.build.signal_builder import curve_of  # imports SymPy, so the service starts without it
+    from thetascope.assembly.build.signal_builder import (
+        curve_of,
+        takes_long,
+    )  # imports SymPy, so the service starts without it
 
     asked = await parsed_as(request, services, SignalCurveRequest)
-    if isinstance(asked.signal, ExpressionSignal):  # a text may take long, so it can be ended
+    if takes_long(asked):
         points = await computed(request, services, curve_of, asked)
     else:
         points = await run_in_threadpool(curve_of, asked)

@@ -33,7 +33,7 @@ def list_runs(
     services: Use,
     language: Language,
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
-    offset: Annotated[int, Query(ge=0)] = 0,
+    offset: Annotated[int, Query(ge=0, le=10**15)] = 0,
     q: Annotated[str, Query(max_length=400, description="Words and conditions: `lab 2`, `lambda > 2`.")] = "",
     kind: Annotated[RunKind | None, Query(description="Only runs of this kind.")] = None,
     experiment: Annotated[str | None, Query(max_length=64, description="Only runs of this experiment.")] = None,
