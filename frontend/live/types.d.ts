@@ -305,9 +305,9 @@ export interface Trace {
 
 /** One axis of the scope with its curves. */
 export interface Strip {
-  /** theta.theta1, x.x1, r.r, u.q, residual.y, excitation */
+  /** theta.theta1, x.x1, r.r, u.q, signal.phi, residual.y, excitation */
   name: string;
-  kind: 'theta' | 'state' | 'loop' | 'residual' | 'excitation';
+  kind: 'theta' | 'state' | 'loop' | 'input' | 'residual' | 'excitation';
   /** Name to be set as mathematics. */
   symbol: string;
   /** Channel, state or output. */

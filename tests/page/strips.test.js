@@ -134,3 +134,32 @@ test('a loop has a strip for each set point, with the reading of its unit, and f
     ],
   );
 });
+
+test('inputs and known signals have strips that are shown when they are chosen', () => {
+  const whole = /** @type {Plant} */ (
+    /** @type {unknown} */ ({
+      ...plant(1),
+      inputs: [
+        {name: 'u', unit: 'V', description: 'voltage'},
+        {name: 'q', unit: 'm', description: ''},
+      ],
+      signals: [{name: 'phi', unit: '', description: ''}],
+      references: [],
+      controllers: [{outputs: [{input: 'q'}]}],
+    })
+  );
+  const columns = [...COLUMNS, 'u.u', 'u.q', 'signal.phi'];
+  const of = (/** @type {Partial<State>} */ more) =>
+    stripsOf(state({plant: whole, columns, observers: [observer('o', 0)], ...more})).filter(
+      ({kind}) => kind === 'input',
+    );
+  assert.deepEqual(
+    of({}).map(({name, shown}) => [name, shown]),
+    [
+      ['u.u', false],
+      ['signal.phi', false],
+    ],
+  );
+  assert.deepEqual(of({presentation: true, strips: {'u.u': true}})[0].shown, true);
+  assert.equal(of({})[0].reading?.column, 'u.u');
+});

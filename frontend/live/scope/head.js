@@ -237,6 +237,7 @@ const SPOKEN = ['band', 'triangle', 'tinted', 'dash', 'hatched']; // which marks
 const GROUPS = [
   ['theta', 'channels'],
   ['loop', 'loop'],
+  ['input', 'inputs'],
   ['state', 'states'],
   ['residual', 'residuals'],
   ['excitation', 'other'],

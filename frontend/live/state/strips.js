@@ -69,6 +69,7 @@ export function stripsOf({plant, columns, observers, faults, checks, strips: cho
   const all = [
     ...channelStrips(plant, known, faults, traces),
     ...loopStrips(plant),
+    ...inputStrips(plant, known),
     ...stateStrips(plant, traces),
     ...residualStrips(plant, noise, known, observers, traces),
     ...excitationStrip(known, observers, checks, traces),
@@ -180,6 +181,39 @@ function loopStrips(plant) {
       usual: true,
     };
   });
+}
+
+/**
+ * The inputs that no controller sets, and the known signals: shown when they are chosen.
+ * @param {Plant} plant
+ * @param {Set<string>} known
+ * @returns {UsualStrip[]}
+ */
+function inputStrips(plant, known) {
+  const controlled = new Set((plant.controllers ?? []).flatMap(({outputs}) => outputs.map(({input}) => `u.${input}`)));
+  const items = [
+    ...(plant.inputs ?? []).map((one) => ({...one, column: `u.${one.name}`})),
+    ...(plant.signals ?? []).map((one) => ({...one, column: `signal.${one.name}`})),
+  ];
+  return items
+    .filter(({column}) => known.has(column) && !controlled.has(column))
+    .map(({name, unit, description, column}) => ({
+      name: column,
+      kind: 'input',
+      symbol: name,
+      subject: name,
+      title: description ?? '',
+      unit,
+      truth: null,
+      reading: {column, label: name},
+      traces: [],
+      base: null,
+      least: 0,
+      log: false,
+      threshold: null,
+      weight: 0.8,
+      usual: false,
+    }));
 }
 
 /** @param {Plant} plant @param {MakeTraces} traces */

@@ -12,6 +12,7 @@ import {t} from '../../i18n/words.js';
 /** The tabs with their keys; behind each is the panel of that name. */
 export const TABS = /** @type {{[name: string]: string}} */ ({
   inject: 'I',
+  inputs: 'U',
   truth: 'R',
   observers: 'O',
   comparison: 'M',

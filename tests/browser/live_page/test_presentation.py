@@ -5,7 +5,7 @@ import pytest
 from tests.browser.live_helpers import opened, reload, rested, row, until
 from tests.browser.test_accessibility import UNFOLD, serious, with_faults
 
-TABS = {"inject": "I", "truth": "R", "observers": "O", "comparison": "M", "log": "G", "try": "Y"}
+TABS = {"inject": "I", "inputs": "U", "truth": "R", "observers": "O", "comparison": "M", "log": "G", "try": "Y"}
 SIZES = [(1920, 1080), (1440, 900), (1280, 720), (1024, 768)]
 SHOWN = """[...document.querySelectorAll('.desk > [role=tabpanel]')].filter((one) => one.checkVisibility())
   .map((one) => one.id)"""
@@ -119,6 +119,36 @@ def test_the_panels_work_while_presenting(tab):
     until(live, "thetascope.state.observers[0].gains.lambda === 0.6")
     live.click("#desk-log")
     assert "you set λ of adaptive" in live.inner_text("#panel-log")
+
+
+def test_further_strips_are_shown_to_the_room(tab):
+    """Excitation, residual and input are chosen in the menu of strips, and nothing overlaps."""
+    live = presented(tab)
+    assert (
+        live.locator(".strip[data-kind=excitation], .strip[data-kind=residual], .strip[data-kind=input]").count() == 0
+    )
+    live.click(".strips-menu summary")
+    for name in ("excitation", "residual.y", "u.u"):
+        live.evaluate(f"thetascope.act.strip('{name}', true)")
+    live.keyboard.press("Escape")
+    until(live, "document.querySelectorAll('.strip').length === 7")
+    rested(live)
+    input = live.locator('.strip[data-strip="u.u"]')
+    until(live, "Number(document.querySelector('.strip[data-strip=\"u.u\"] .strip-values span').textContent) > 0")
+    assert input.is_visible()
+    assert live.evaluate(WRONG) == []
+
+
+def test_inputs_are_moved_in_their_tab(tab):
+    """Every input and signal is unfolded in the card; a slider acts; leaving folds the panel again."""
+    live = presented(tab)
+    live.keyboard.press("u")
+    live.locator("#panel-inputs select.shape").first.select_option("constant")
+    until(live, "thetascope.state.log.some(({kind}) => kind === 'signal')")
+    rested(live)
+    assert live.evaluate(WRONG) == []
+    live.keyboard.press("p")
+    live.wait_for_selector("#panel-inputs:not(.open)")
 
 
 def test_a_fault_channel_in_the_plant_opens_its_injection(tab):

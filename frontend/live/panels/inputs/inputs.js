@@ -18,7 +18,7 @@ import {itemsOf, presentSignal, rangeOf} from './present-signal.js';
 export function mount(element, app) {
   const panel = new InputsPanel(element, app);
   element.addEventListener('keydown', (event) => {
-    if (event.key !== 'Escape' || !panel.open || event.defaultPrevented) return;
+    if (event.key !== 'Escape' || !panel.open || event.defaultPrevented || app.state.presentation) return;
     event.preventDefault();
     panel.unfold(false);
     panel.toggle.focus();
@@ -26,6 +26,10 @@ export function mount(element, app) {
   app.subscribe(
     (state) => [state.plant, state.language, state.session],
     () => panel.build(),
+  );
+  app.subscribe(
+    (state) => state.presentation,
+    (on) => panel.unfold(on), // a tab of its own has room
   );
   app.subscribe(
     (state) => state.spec,
@@ -42,7 +46,7 @@ export function mount(element, app) {
   app.subscribe(
     (state) => state.site,
     (site) => {
-      if (site && panel.open) panel.unfold(false);
+      if (site && panel.open && !app.state.presentation) panel.unfold(false);
     },
   );
   app.onTick(() => {
@@ -76,10 +80,10 @@ class InputsPanel {
     const {plant, spec, role} = this.app.state;
     this.rows = [];
     fill(this.list);
-    if (!plant || !spec) return fill(this.element);
+    const items = plant && spec ? itemsOf(plant) : [];
+    this.element.hidden = items.length === 0;
+    if (!spec || items.length === 0) return fill(this.element);
     const recorded = Boolean(spec.truth?.record);
-    const items = itemsOf(plant);
-    if (items.length === 0) return fill(this.element);
     this.rows = items.map((item) => ({item, row: this.row(item, recorded)}));
     fill(
       this.list,
