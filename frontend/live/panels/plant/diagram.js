@@ -137,7 +137,7 @@ export function layout(plant) {
   const axis = top + half + 2;
   const boxes = placed.map((one) => ({...one, y: axis - half, height: 2 * half, top, spots: spots(one, top)}));
   const closed = (plant.controllers ?? []).length > 0;
-  const lines = Math.max(plant.inputs.length, plant.outputs.length, plant.references?.length ?? 0, 1);
+  const lines = Math.max(plant.inputs.length + (plant.references?.length ?? 0), plant.outputs.length, 1);
   /** @type {Loop | null} */
   const loop = closed ? {x: WIDTH / 2 - 46, y: axis + half + 32, width: 92, height: 34, mark: 55} : null;
   const under = loop ? loop.y + loop.height / 2 : axis + half;

@@ -161,7 +161,8 @@ function wires({blocks, axis, foot, left, right, loop}, plant, values, named) {
       parts.push(wire(`M2 ${axis}H${left - 1}`), s('circle', {cx: x, cy: axis, r: 1.8, class: 'knot'}));
     parts.push(
       wire(`M${x} ${loop ? loop.y : axis}V${foot}H${WIDTH / 2 - 56}`),
-      ...list(plant.inputs, 'u.', x + 7, foot, 'start', values, named),
+      // above the set points, beside which they have no room
+      ...list(plant.inputs, 'u.', x + 7, foot - 14 * (plant.references?.length ?? 0), 'start', values, named),
       ...list(plant.references ?? [], 'r.', WIDTH / 2 - 5, foot, 'end', values, named),
     );
     if (plant.inputs.length > 1)
@@ -327,7 +328,7 @@ function button(spot, short, app, sites) {
     },
     s('title', {}, title),
     spot.onChannel
-      ? s('circle', {r: 12.6, class: 'ring'})
+      ? s('circle', {r: 11.4, class: 'ring'})
       : s('rect', {class: 'ring', x: -7, y: -7, width: 14, height: 14, rx: 2.5, transform: 'rotate(45)'}),
     spot.onChannel
       ? [
