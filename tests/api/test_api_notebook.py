@@ -175,14 +175,23 @@ def test_runs_of_other_plants_and_horizons_are_compared(notebook):
     stored(client, longer, other)
     query = f"ids={ids[0]},{longer},{other}"
     figure = client.get(f"/api/runs/compare/figure?{query}")
-    names = [{trace["name"] for trace in figure["data"] if trace["yaxis"] == axis} for axis in ("y", "y6")]
-    assert {f"r-{ids[0][:4]}", f"r-{longer[:4]}"} <= names[0] and f"r-{other[:4]}" in names[1]
-    printed = client.get(f"/api/runs/compare/figure/print?{query}&format=json&end=2.5")
-    assert [curve["key"] for curve in printed["curves"] if curve["key"].startswith("r-")] == [
-        f"r-{id[:4]}" for id in (ids[0], longer, other)
-    ]
+    first, last = ([t["name"] for t in figure["data"] if t["yaxis"] == axis] for axis in ("y", "y6"))
+    assert len(first) == 3 and f"r-{longer[:4]}" in first and last == [f"r-{other[:4]}", "truth"]
+    printed = client.get(f"/api/runs/compare/figure/print?{query}&format=json&panels=1&end=2.5")
+    assert [curve["drawn"] for curve in printed["curves"]].count(True) >= 3
     pdf = client.request("GET", f"/api/runs/compare/figure/print?{query}&format=pdf")[2]
     assert pdf.startswith(b"%PDF") and b"/FontFile2" in pdf
+
+
+def test_runs_of_an_own_plant_say_what_they_changed(notebook):
+    """The oldest run of the plant is what the others differ from, in settings and in parameters of the plant."""
+    client, _ = notebook
+    data = spec_data(seed=1)
+    other = {**data["plant"], "parameters": [{"name": "a", "value": 0.6}]}
+    ids = [client.post("/api/runs", one)["id"] for one in (data, spec_data(plant=other, seed=7))]
+    lines = {line["id"]: line for line in stored(client, *ids)}
+    assert lines[ids[0]]["changes"] is None
+    assert {change["path"]: change["to"] for change in lines[ids[1]]["changes"]} == {"seed": 7, "parameters.a": 0.6}
 
 
 def test_a_comparison_is_printed_less_the_first_and_keeps_its_notes(notebook):

@@ -13,6 +13,7 @@ import {curvesAndPanels} from './paper-lists.js';
 const FORMATS = ['pdf', 'svg', 'png', 'tex'];
 const STYLE = 'thetascope.paper-style'; // in the browser's storage: the options that "Keep as my style" keeps
 const KEPT = /** @type {const} */ (['width', 'font', 'size', 'colour', 'legend', 'lang']);
+const MOST_INSIDE = 4; // curves for whose legend there is room beside them
 const SMALLEST = 6; // pt, of type that journals take
 const THINNEST = 0.35; // pt, of lines
 const CSS_CM = 96 / 2.54; // px of a style sheet's centimetre
@@ -35,6 +36,15 @@ function kept() {
   }
 }
 const EMPTY = () => ({height: null, start: null, end: null, curves: [], panels: [], styles: {}, format: 'pdf'});
+
+/** Whether "Keep as my style" was pressed in this browser. */
+function hasStyle() {
+  try {
+    return localStorage.getItem(STYLE) !== null;
+  } catch {
+    return false;
+  }
+}
 
 /** @param {Settings} settings @param {string} format */
 function queryOf(settings, format) {
@@ -68,6 +78,8 @@ export function openPaper(address, title, panels = [], more = new URLSearchParam
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   let timer;
 
+  let first = true;
+
   /** The address of the file in a format. @param {string} format */
   const printed = (format) => `${address}/print?${new URLSearchParams([...more, ...queryOf(settings, format)])}`;
 
@@ -79,7 +91,14 @@ export function openPaper(address, title, panels = [], more = new URLSearchParam
       /** @type {service.PrintedFigure} */
       const described = await get(printed('json'), mine.signal);
       const wanted = printed('svg');
+      if (first && described.curves.length > MOST_INSIDE && !hasStyle()) {
+        first = false;
+        legends.querySelectorAll('button')[1].click(); // above: inside it would cover curves
+        return;
+      }
+      first = false;
       lists.show(described);
+      height.placeholder = number(described.height);
       fill(caption, described.caption);
       fill(command, described.command.replace(/\.json$/, `.${settings.format}`));
       await new Promise((done, stop) => {
@@ -133,13 +152,25 @@ export function openPaper(address, title, panels = [], more = new URLSearchParam
     return [...words, ' ', end];
   }
 
+  const height = h('input', {
+    type: 'number',
+    step: 'any',
+    'aria-label': t('page.paper.height'),
+    oninput: ({currentTarget}) => set({height: currentTarget.value === '' ? null : currentTarget.valueAsNumber}),
+  });
+  const legends = segments(
+    t('page.paper.legend'),
+    ['inside', 'above', 'none'].map((name) => [name, t(`page.paper.legend.${name}`)]),
+    settings.legend,
+    (legend) => set({legend}),
+  );
   const form = h(
     'form',
     {onsubmit: (/** @type {Event} */ event) => event.preventDefault()},
     field(
       t('page.paper.width'),
       ...widths(settings.width, (width) => set({width})),
-      lengthOrNull(t('page.paper.height'), '× cm', (height) => set({height})),
+      h('label', {class: 'length'}, '×', height, 'cm'),
     ),
     field(
       t('page.paper.type'),
@@ -164,15 +195,7 @@ export function openPaper(address, title, panels = [], more = new URLSearchParam
         (colour) => set({colour}),
       ),
     ),
-    field(
-      t('page.paper.legend'),
-      segments(
-        t('page.paper.legend'),
-        ['inside', 'above', 'none'].map((name) => [name, t(`page.paper.legend.${name}`)]),
-        settings.legend,
-        (legend) => set({legend}),
-      ),
-    ),
+    field(t('page.paper.legend'), legends),
     field(
       t('page.paper.time'),
       lengthOrNull(t('page.paper.start'), 's', (start) => set({start})),

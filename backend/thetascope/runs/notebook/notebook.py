@@ -12,10 +12,12 @@ from thetascope.runs.jobs.job import Snapshot
 from thetascope.runs.jobs.manager import RunManager
 from thetascope.runs.jobs.ownership import share_of
 from thetascope.runs.jobs.store_rows import snapshot_of
+from thetascope.runs.notebook.own_changes import with_own_changes
 from thetascope.runs.results.run_facts import facts_of_run
 from thetascope.runs.specs.refusals import Unknown
 from thetascope.store import Damaged, Line, NotebookStore, RunFacts, RunQuery, RunStore, StoreError
 from thetascope.store.notebook.listing import Counts
+from thetascope_schemas.experiment.experiment import Experiment
 
 log = logging.getLogger(__name__)
 
@@ -45,7 +47,8 @@ class Notebook:
             log.error("%s", error)
             records = self._stored_runs.page(query.limit, query.offset)
             return [Line(record, None) for record in records], Counts(len(records))
-        return [line if line.facts or line.record.damaged else self._with_facts(line) for line in lines], counts
+        lines = [line if line.facts or line.record.damaged else self._with_facts(line) for line in lines]
+        return with_own_changes(lines, self._spec), counts
 
     def line(self, id: str, by: Principal) -> Line:
         """Return a run of the list. Raises Unknown."""
@@ -123,12 +126,18 @@ class Notebook:
 
     def _facts(self, id: str) -> RunFacts | None:
         """Return the facts of a stored run, without a curve; None if it cannot be read."""
+        snapshot = self._snapshot(id)
+        return None if snapshot is None else facts_of_run(snapshot.spec, snapshot.summary)
+
+    def _spec(self, id: str) -> Experiment | None:
+        snapshot = self._snapshot(id)
+        return None if snapshot is None else snapshot.spec
+
+    def _snapshot(self, id: str) -> Snapshot | None:
+        """Return a stored run; None if it cannot be read."""
         try:
             record = self._stored_runs.get(id)
-            if record is None:
-                return None
-            snapshot: Snapshot = snapshot_of(record)
+            return None if record is None else snapshot_of(record)
         except (Damaged, ValueError) as error:
             log.error("%s", error)
             return None
-        return facts_of_run(snapshot.spec, snapshot.summary)

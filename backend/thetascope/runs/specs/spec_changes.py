@@ -1,5 +1,6 @@
 """Differences of two experiments as a list of settings: path, label, from, to."""
 
+import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -80,6 +81,10 @@ def _data(spec: Experiment, span: float) -> dict[str, Any]:
     data = spec.model_dump(mode="json", exclude=set(_UNSEEN))
     plant = spec.plant
     data["plant"] = plant if isinstance(plant, str) else _plant_name(plant)
+    if isinstance(plant, Plant) and not _is_library_id(plant.id):
+        data["parameters"] = {one.name: one.value for one in plant.parameters} | data["parameters"]
+        data["initial"] = {one.name: one.initial for one in plant.states} | data["initial"]
+        data["equations"] = _equations(plant)
     data["observers"] = {item.pop("label"): item for item in data["observers"]}
     data["faults"] = _by_site(data["faults"])
     if data["diagnosis"]["span"] == span:
@@ -99,6 +104,20 @@ def _plant_name(plant: Plant) -> str:
     except SpecError:
         return plant.id
     return plant.id if canonical(known) == canonical(plant) else f"{plant.id}*"
+
+
+def _is_library_id(id: str) -> bool:
+    return id in library.plants()
+
+
+def _equations(plant: Plant) -> str:
+    """Return a short hash of a plant without the values of its parameters and initial states, and without prose."""
+    data = canonical(plant)
+    assert isinstance(data, dict)
+    for group, field in (("parameters", "value"), ("states", "initial")):
+        for one in data.get(group, ()):
+            one.pop(field, None)
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:6]
 
 
 def _by_site(faults: list[dict[str, Any]]) -> dict[str, Any]:
@@ -146,7 +165,7 @@ def _label(path: str, several: bool) -> Message:
     """Return the name of a setting."""
     first, *rest = path.split(".")
     name, more = (rest[0] if rest else ""), rest[1:]
-    if first in ("plant", "record", "commands", *_FIELDS):
+    if first in ("plant", "equations", "record", "commands", *_FIELDS):
         return Message(f"change.{first}")
     if first == "observers":
         return _observer_label(name, more, several)

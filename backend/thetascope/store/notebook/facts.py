@@ -27,6 +27,7 @@ class RunFacts:
         numbers: the values of its settings by name; a gain of several observers has several.
         changes: the differences from the experiment: path, label (a message as data), from, to.
         shown: what else the line shows: observer, state, and the curve of the first fault.
+        compared: whether `changes` are those from another run of the plant, as no experiment is followed; not stored.
     """
 
     experiment: str
@@ -38,6 +39,7 @@ class RunFacts:
     numbers: dict[str, list[float]] = field(default_factory=dict)
     changes: list[dict[str, Any]] = field(default_factory=list)
     shown: dict[str, Any] = field(default_factory=dict)
+    compared: bool = False
 
 
 _CHANGED = ("experiment", "rmse", "delay", "false_alarms", "words", "numbers", "changes", "shown")  # not the kind

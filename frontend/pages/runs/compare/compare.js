@@ -114,6 +114,27 @@ function showTools({choices, observers}) {
   );
 }
 
+const AGAIN = 1000; // ms
+
+/**
+ * An answer that needs results; while one that the store has dropped is computed again, the page says so and waits.
+ * @template Answer
+ * @param {string} path
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<Answer>}
+ */
+async function patiently(path, signal) {
+  for (;;) {
+    try {
+      return await get(path, signal);
+    } catch (error) {
+      if (!(error instanceof Problem) || error.code !== 'run.not-done') throw error;
+      fill(plot.isConnected ? plot : main, h('p', {class: 'soft busy', role: 'status'}, t('page.compare.again')));
+      await new Promise((done) => setTimeout(done, AGAIN));
+    }
+  }
+}
+
 /** @type {AbortController | null} */
 let drawing = null;
 async function draw() {
@@ -121,7 +142,7 @@ async function draw() {
   const mine = (drawing = new AbortController());
   const theme = window.theme.now;
   /** @type {PlotlyFigure} */
-  const figure = await get(`/api/runs/compare/figure?${queryOf(choice)}&theme=${theme}`, mine.signal);
+  const figure = await patiently(`/api/runs/compare/figure?${queryOf(choice)}&theme=${theme}`, mine.signal);
   if (mine.signal.aborted) return;
   fill(legend, named(figure.layout.meta?.caption));
   await drawFigure(plot, figure);
@@ -134,7 +155,7 @@ const redraw = () =>
 
 async function load() {
   /** @type {service.RunComparison} */
-  const found = await get(`/api/runs/compare?${queryOf(choice)}`);
+  const found = await patiently(`/api/runs/compare?${queryOf(choice)}`);
   const titles = [...new Set(found.runs.map((run) => named(run.title)))];
   const title = t('page.compare.title', {n: found.runs.length});
   if (!curves.isConnected) {

@@ -11,23 +11,37 @@ import {t} from '../../../i18n/words.js';
 export const swatch = (place) =>
   h('span', {class: 'swatch', style: `background:var(--o${place})`, 'aria-hidden': 'true'});
 
-/** @param {service.RunComparison} found */
+/**
+ * The settings that differ. Of runs of different plants those that only some have are folded.
+ * @param {service.RunComparison} found
+ */
 export function differences({runs, differences: rows, same}) {
+  const common = new Set(runs.map((run) => run.plant)).size > 1 ? rows.filter(givenInAll) : rows;
+  const others = rows.filter((row) => !common.includes(row));
+  return [
+    h('h2', {}, t('page.compare.differs')),
+    common.length > 0 && settingsTable(runs, common),
+    others.length > 0 &&
+      h('details', {}, h('summary', {}, t('page.compare.some', {n: others.length})), settingsTable(runs, others)),
+    h('p', {class: 'soft small'}, rows.length ? t('page.compare.same', {n: same}) : t('page.compare.all-same')),
+  ];
+}
+
+/** @param {service.RunComparison['differences'][number]} row */
+const givenInAll = ({values}) => values.every((value) => value !== null);
+
+/**
+ * @param {service.RunComparison['runs']} runs
+ * @param {service.RunComparison['differences']} rows
+ */
+function settingsTable(runs, rows) {
+  const heads = runs.map((run, place) =>
+    h('th', {class: 'r', title: nameOf(run)}, swatch(place), h('span', {class: 'unseen'}, nameOf(run))),
+  );
   const table = h(
     'table',
-    {class: 'compare-table'},
-    h(
-      'thead',
-      {},
-      h(
-        'tr',
-        {},
-        h('th', {}, t('page.compare.setting')),
-        runs.map((run, place) =>
-          h('th', {class: 'r', title: nameOf(run)}, swatch(place), h('span', {class: 'unseen'}, nameOf(run))),
-        ),
-      ),
-    ),
+    {class: 'compare-table settings'},
+    h('thead', {}, h('tr', {}, h('th', {}, t('page.compare.setting')), heads)),
     h(
       'tbody',
       {},
@@ -36,18 +50,15 @@ export function differences({runs, differences: rows, same}) {
           'tr',
           {},
           h('th', {}, labelOf(label)),
-          values.map((value) =>
-            h('td', {class: `r${value === values[0] ? '' : ' other'}`}, h('span', {}, valueOf(value) || '–')),
-          ),
+          values.map((value) => {
+            const text = valueOf(value) || '–';
+            return h('td', {class: `r${value === values[0] ? '' : ' other'}`, title: text}, h('span', {}, text));
+          }),
         ),
       ),
     ),
   );
-  return [
-    h('h2', {}, t('page.compare.differs')),
-    rows.length > 0 && h('div', {class: 'wide', tabindex: 0}, table),
-    h('p', {class: 'soft small'}, rows.length ? t('page.compare.same', {n: same}) : t('page.compare.all-same')),
-  ];
+  return h('div', {class: 'wide', tabindex: 0, role: 'group', 'aria-label': t('page.compare.differs')}, table);
 }
 
 /**

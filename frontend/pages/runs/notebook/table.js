@@ -102,11 +102,16 @@ function byGroup(lines, group) {
   /** @type {Map<string, service.RunLine[]>} */
   const groups = new Map();
   for (const line of lines) {
-    const key = group === 'tags' ? keyOfTags(line.tags) : (line.experiment ?? '');
+    const key = group === 'tags' ? keyOfTags(line.tags) : (line.experiment ?? ownKey(line));
     groups.set(key, [...(groups.get(key) ?? []), line]);
   }
   return [...groups].map(([key, runs]) => ({key, runs}));
 }
+
+const OWN = 'own ';
+
+/** The group of a run that follows no experiment of the library: that of its plant. @param {service.RunLine} line */
+const ownKey = ({kind, plant}) => (kind === 'record' || !plant ? '' : OWN + plant);
 
 /** Tags as the server writes them. @param {string[]} tags */
 const keyOfTags = (tags) => (tags.length ? `[${tags.map((tag) => JSON.stringify(tag)).join(', ')}]` : '[]');
@@ -133,7 +138,7 @@ function groupRow(key, found, runs, group) {
       {colspan: COLUMNS.length + 3, scope: 'rowgroup'},
       h('b', {}, title),
       ' ',
-      group === 'experiment' && key,
+      group === 'experiment' && key.replace(OWN, ''),
       key && group === 'experiment' && ' · ',
       count,
     ),

@@ -1,5 +1,6 @@
 """/api/runs/compare: settings in which runs differ, their measures, and their curves overlaid."""
 
+import asyncio
 from typing import Annotated, Literal
 from urllib.parse import urlencode
 
@@ -65,7 +66,10 @@ async def overlay_runs(
     less: Less = False,
     theme: Literal["light", "dark"] = "light",
 ) -> Response:
-    """Return faults and states that all runs have, each run in a colour, as Plotly's JSON."""
+    """Return faults and states that at least two runs have, each run in a colour, as Plotly's JSON.
+
+    A run that shares nothing with the others has a strip of its own.
+    """
     from thetascope.figures.strips import stack
     from thetascope.figures.style import theme_named
     from thetascope.runs.notebook.overlaid_runs import overlaid_runs
@@ -117,5 +121,8 @@ def _names(request: Request, services: Services, runs: list[Finished]) -> list[s
 
 
 async def _finished(request: Request, services: Services, ids: str) -> list[Finished]:
-    """Return the runs with their results. Raises Unknown, InvalidSpec, or NotReady."""
-    return [await from_result(request, services, id, lambda run: run) for id in parse_ids(ids)]
+    """Return the runs with their results; all that the store has dropped are computed again at the same time.
+
+    Raises Unknown, InvalidSpec, or NotReady.
+    """
+    return await asyncio.gather(*(from_result(request, services, id, lambda run: run) for id in parse_ids(ids)))

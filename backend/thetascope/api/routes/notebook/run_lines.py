@@ -118,7 +118,7 @@ def _of_facts(facts: RunFacts | None, language: str) -> dict[str, Any]:
     return shown | {
         "kind": facts.kind,
         "experiment": facts.experiment or None,
-        "changes": changes if facts.experiment else None,
+        "changes": changes if facts.experiment or facts.compared else None,
         "rmse": facts.rmse,
         "delay": facts.delay,
         "false_alarms": facts.false_alarms,
