@@ -40,3 +40,11 @@ test('the file has a line for each estimate, and no formulas', () => {
   assert.equal(lines[4], `"'=b,""c""",x.q,,,,unknown`);
   assert.equal(lines[5], `"'=b,""c""",theta.f,0.5,,0.7,settled`);
 });
+
+test('no label begins a formula or a line, whatever stands before it', () => {
+  for (const label of [' =1', '\n=1', '＝1', '\u0000+1', '\u0085@x', '\t-1']) {
+    const [, line] = csvOf({t: 0, observers: [{label, estimates: [estimate('x.p')]}]}).split('\r\n');
+    assert.match(line, /^"'[ ]?[=＝+@-]/u);
+    assert.ok(line.endsWith(',x.p,0.5,,,unknown'));
+  }
+});

@@ -1,5 +1,7 @@
 // The columns of the full comparison, and the same table as CSV. Pure.
 
+import {csvCell} from '../../../common/csv.js';
+
 /** @import * as service from '../../../types/service.js' */
 
 /**
@@ -43,16 +45,6 @@ export function csvOf({observers}) {
     estimates.map(({name, rmse, noise, settled, outcome}) => [label, name, rmse, noise, settled, outcome]),
   );
   return [['observer', 'estimate', 'rmse', 'noise', 'settled_s', 'outcome'], ...lines]
-    .map((line) => `${line.map(quoted).join(',')}\r\n`)
+    .map((line) => `${line.map(csvCell).join(',')}\r\n`)
     .join('');
-}
-
-/**
- * A field of CSV. A text that a spreadsheet would take for a formula begins with an apostrophe.
- * @param {string | number | null} value
- */
-function quoted(value) {
-  if (typeof value !== 'string') return value === null ? '' : String(value);
-  const text = /^[=+\-@\t\r]/.test(value) ? `'${value}` : value;
-  return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }

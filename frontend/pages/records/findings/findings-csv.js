@@ -1,5 +1,7 @@
 // The findings as a table of comma-separated values, one line for each explanation of each fault. Pure.
 
+import {csvCell} from '../../../common/csv.js';
+
 /** @import * as service from '../../../types/service.js' */
 
 const HEAD = [
@@ -31,17 +33,5 @@ export function findingsCsv(faults) {
       ...[one.unit, one.rate, one.bound, alarm, ended, one.separable, confirmed, covered],
     ]),
   );
-  return [HEAD, ...lines].map((line) => `${line.map(cell).join(',')}\n`).join('');
-}
-
-/**
- * A value as a cell. Text that a spreadsheet would take for a formula follows an apostrophe, and control characters are
- * blanks, as in files of the service (backend/thetascope/export/csv_format.py).
- * @param {string | number | boolean | null} value
- */
-function cell(value) {
-  if (typeof value !== 'string') return value === null ? '' : String(value);
-  const line = value.replaceAll(/[\u0000-\u001f\u007f-\u009f\u2028\u2029]/gu, ' ');
-  const text = /^\s*[=+\-@＝＋－＠]/u.test(line) ? `'${line}` : line;
-  return /[",']/u.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+  return [HEAD, ...lines].map((line) => `${line.map(csvCell).join(',')}\n`).join('');
 }
