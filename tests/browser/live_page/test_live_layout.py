@@ -126,7 +126,8 @@ OVERLAPS = """() => {
     .map((one) => [one.className || one.id, one.getBoundingClientRect()]);
   const apart = (a, b) => a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top;
   const notices = boxes('.choice:not([hidden]), #notice:not(:empty)');
-  const kept = boxes('.logo, .pages a, .connection, .actions button, #timeline .rail, #transport, .strip-plot');
+  const kept = boxes('.logo, .pages a, .connection, .actions button, #timeline .rail, #transport, .strip-plot, '
+    + '.legend li, .segments, .menu summary, .heading button');
   return notices.flatMap(([name, box], i) => [...kept, ...notices.slice(i + 1)].filter(([, other]) => !apart(box,
     other))
     .map(([other]) => `${name} / ${other}`));
@@ -152,6 +153,50 @@ def test_notices_cover_nothing(kept_page, width, language):
         live.wait_for_selector("#notice.lost")
         rested(live)
         assert live.evaluate(OVERLAPS) == [], font
+
+
+#: Buttons and the legend that the notice lies on.
+COVERED = """() => {
+  const box = document.querySelector('#notice').getBoundingClientRect();
+  return [...document.querySelectorAll('button, a[href], input, select, summary, [role=slider], .legend li')]
+    .filter((one) => !one.closest('#notice') && one.checkVisibility({opacityProperty: true, visibilityProperty: true}))
+    .filter((one) => { const other = one.getBoundingClientRect();
+      return other.width > 1 && Math.min(box.right, other.right) - Math.max(box.left, other.left) > 1
+        && Math.min(box.bottom, other.bottom) - Math.max(box.top, other.top) > 1; })
+    .map((one) => one.id || one.getAttribute('aria-label') || one.textContent || one.className);
+}"""
+
+
+@pytest.mark.parametrize("shown", ["curves", "inject", "observers", "diagnosis"])
+def test_a_notice_on_a_phone_covers_no_button(kept_page, shown):
+    """On every tab of 390 px, at the top and scrolled, the notice lies on neither the legend nor a button."""
+    live = still(kept_page, "/?experiment=zhao-2012&t=30", width=390, height=844)
+    live.evaluate("thetascope.act.language('en'); thetascope.act.look(null)")
+    live.evaluate(SET_FONT, "")
+    live.click(f"#tab-{shown}")
+    live.evaluate("thetascope.store.dispatch({type: 'connection', now: 'live'})")
+    live.evaluate("thetascope.act.tell('A word that is said for some seconds.')")
+    rested(live)
+    for down in (0, 60):
+        live.evaluate(f"scrollTo({{top: {down}, behavior: 'instant'}})")
+        rested(live)
+        assert live.is_visible("#notice")
+        assert live.evaluate(COVERED) == [], (shown, down)
+
+
+@pytest.mark.parametrize(("width", "height"), [(1440, 900), (1280, 720)])
+def test_notices_cover_no_legend_while_presenting(kept_page, width, height):
+    """Between the bar and the legend; also beside the buttons of looking back."""
+    live = still(kept_page, "/?experiment=zhao-2012&t=30", width=width, height=height)
+    live.evaluate("thetascope.act.language('en'); thetascope.act.look(null); thetascope.act.present(true)")
+    live.evaluate("thetascope.store.dispatch({type: 'connection', now: 'live'})")
+    live.evaluate("thetascope.act.tell('A word that is said for some seconds.')")
+    rested(live)
+    assert live.is_visible("#notice") and live.evaluate(COVERED) == []
+    live.evaluate("thetascope.act.look(12)")
+    rested(live)
+    assert live.evaluate(COVERED) == []
+    live.evaluate("thetascope.act.look(null); thetascope.act.present(false)")
 
 
 def test_a_long_notice_is_seen_as_a_whole(page):
