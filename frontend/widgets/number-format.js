@@ -44,7 +44,7 @@ export function seconds(t, step = 0.1) {
 }
 
 /** Speeds to choose from, by menu and by key; null: as fast as possible. */
-export const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, null];
+export const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, null];
 
 /**
  * 0.1×, 10×; ∞ for as fast as possible.

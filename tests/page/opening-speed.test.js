@@ -31,4 +31,5 @@ test('the whole is over in a minute, and the first fault comes within ten second
 test('a short experiment does not begin slower than the slowest speed, and a long one not faster than 100', () => {
   assert.ok((speed(0.001) ?? 0) > 0);
   assert.equal(speed(1e6), 100);
+  assert.equal(openingSpeed({horizon: 5e5, faults: [], step: 250}), 5000); // rows that lie far apart
 });

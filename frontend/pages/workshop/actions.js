@@ -54,7 +54,7 @@ export function createActions(store, editor) {
       trialProblem: null,
       ranking: null,
       chosen: null,
-      tried: {parameters: {}, initial: {}},
+      tried: {parameters: {}, initial: {}, inputs: {}},
       kept: earlier === null ? null : Date.now(),
       problem: null,
     });
@@ -120,7 +120,10 @@ export function createActions(store, editor) {
     openMine: (id, version) =>
       guarded(async () => {
         const plant = await service.open(id, version);
-        show({kind: 'mine', id: plant.id, version: plant.version, saved: plant.saved, text: plant.text}, plant.text);
+        /** @type {Source} */
+        const source = {kind: 'mine', id, version: plant.version, saved: plant.saved, text: plant.text};
+        if (version) keep(source, source.text); // the version is wanted, not changes of another one
+        show(source, plant.text);
       }),
     openLibrary: (id) =>
       guarded(async () => {
@@ -199,7 +202,7 @@ export function createActions(store, editor) {
         const {text, lines} = await service.edit(store.state.text, changes);
         editor().setText(text, true);
         editor().mark(lines);
-        store.set({tried: {parameters: {}, initial: {}}});
+        store.set({tried: {...store.state.tried, parameters: {}, initial: {}}});
       }),
   };
   return act;

@@ -57,7 +57,10 @@ export function followChanges(store) {
 
   function body() {
     const {good, tried} = store.state;
-    return good?.plant ? {plant: good.plant, parameters: tried.parameters, initial: tried.initial, inputs: {}} : null;
+    if (!good?.plant) return null;
+    const known = new Set([...good.plant.inputs, ...good.plant.references].map(({name}) => name));
+    const inputs = Object.fromEntries(Object.entries(tried.inputs).filter(([name]) => known.has(name)));
+    return {plant: good.plant, parameters: tried.parameters, initial: tried.initial, inputs};
   }
 
   async function trial() {

@@ -2,10 +2,11 @@
 
 import {fill, h} from '../../common/dom.js';
 import {named, t} from '../../i18n/words.js';
+import {versions} from './service.js';
 import {isChanged} from './store.js';
 import {ago} from './times.js';
 
-/** @import {ShopActions, ShopStore} from './types.js' */
+/** @import {MyPlantLine, ShopActions, ShopStore} from './types.js' */
 
 /**
  * @param {HTMLElement} root
@@ -90,6 +91,7 @@ export function mountList(root, store, act) {
               `${about} · ${t('page.workshop.version', {n: line.version})}, ${ago(line.saved)}`,
             ),
           ),
+          here && line.version > 1 && versionMenu(line, state.source.version ?? line.version, act),
           line.mine &&
             h(
               'button',
@@ -136,4 +138,29 @@ export function mountList(root, store, act) {
   words();
   store.subscribe((state) => [state.mine, state.source, isChanged(state)], showMine);
   store.subscribe((state) => [state.library, state.source], showLibrary);
+}
+
+/**
+ * A menu of the versions of a plant, which are asked for when it is opened first.
+ * @param {MyPlantLine} line
+ * @param {number} shown
+ * @param {ShopActions} act
+ */
+function versionMenu(line, shown, act) {
+  const label = t('page.workshop.versions', {title: line.title || line.id});
+  /** @param {Pick<MyPlantLine, 'version' | 'saved'>} one */
+  const option = ({version, saved}) =>
+    h(
+      'option',
+      {value: String(version), selected: version === shown},
+      `${t('page.workshop.version', {n: version})}${saved ? `, ${ago(saved)}` : ''}`,
+    );
+  const menu = h('select', {class: 'versions', 'aria-label': label, title: label}, option({version: shown, saved: 0}));
+  menu.addEventListener('change', () => act.openMine(line.id, Number(menu.value)));
+  versions(line.id)
+    .then(({plants}) => fill(menu, plants.map(option)))
+    .catch(() => {
+      menu.hidden = true;
+    });
+  return menu;
 }

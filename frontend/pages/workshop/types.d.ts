@@ -2,12 +2,20 @@
 
 import type {Problem} from '../../common/api.js';
 import type * as service from '../../types/service.js';
+import type {Signal} from '../../widgets/signal/shapes.js';
 
 export type TextCheck = service.PlantTextCheck;
 export type TextError = service.TextError;
 export type Trial = service.PlantTrial;
 export type Ranked = service.RankedObserver;
 export type MyPlantLine = service.MyPlantLine;
+
+/** Values of the sliders and shapes of the inputs that the text does not have yet. */
+export interface Tried {
+  parameters: {[name: string]: number};
+  initial: {[name: string]: number};
+  inputs: {[name: string]: Signal};
+}
 
 /** What the text was opened from. */
 export interface Source {
@@ -29,8 +37,7 @@ export interface ShopState {
   checking: boolean;
   /** The last answer without errors: the cards show it. */
   good: TextCheck | null;
-  /** Values of the sliders that the text does not have yet. */
-  tried: {parameters: {[name: string]: number}; initial: {[name: string]: number}};
+  tried: Tried;
   trial: Trial | null;
   /** Why there is no trial. */
   trialProblem: Problem | null;

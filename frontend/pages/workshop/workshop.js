@@ -39,7 +39,7 @@ const store = createStore({
   check: null,
   checking: true, // until the first text is there
   good: null,
-  tried: {parameters: {}, initial: {}},
+  tried: {parameters: {}, initial: {}, inputs: {}},
   trial: null,
   trialProblem: null,
   ranking: null,

@@ -86,7 +86,7 @@ class Speed(Command):
 
     model_config = example(type="speed", id=4, value=10)
     type: Literal["speed"] = "speed"
-    value: Annotated[float, Field(ge=0.1, le=1000, strict=True)] | None
+    value: Annotated[float, Field(ge=0.1, le=10_000, strict=True)] | None
 
 
 class Inject(Command):

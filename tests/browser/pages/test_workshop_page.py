@@ -74,6 +74,37 @@ def test_a_saved_plant_is_found_again_and_its_deletion_undone(shop):
     until(shop, "document.querySelectorAll('.mine .entry').length === 1")
 
 
+def test_versions_and_shapes_of_the_preview_are_chosen_from_menus(shop):
+    """An earlier version comes back with its text, an input of the preview gets another shape."""
+    first = TANK.replace("id: leaky-tank", "id: versioned").replace("title: Tank with a pump", "title: Versioned")
+    for text in (first, first + "# later\n"):
+        paste(shop, text)
+        until(shop, READY)
+        shop.click("#save-plant")
+        until(shop, "document.querySelector('.shop-bar .sub').textContent.includes('saved')")
+    until(shop, "document.querySelector('.mine .versions')?.options.length === 2")
+    shop.select_option(".mine .versions", "1")
+    until(shop, "!document.querySelector('.cm-content').textContent.includes('# later')")
+    until(shop, READY + " && document.querySelector('.preview-input select')")
+    before = shop.locator(".preview-strip .input").first.get_attribute("d")
+    shop.select_option(".preview-input select", "sine")
+    until(
+        shop,
+        f"![null, undefined, {before!r}].includes(document.querySelector('.preview-strip .input')?.getAttribute('d'))",
+    )
+    assert shop.locator(".preview-input select").input_value() == "sine"
+
+
+def test_the_remedy_of_an_error_stays_in_sight_beside_long_lines(shop):
+    """The button is within the editor, also where another line is far wider."""
+    paste(shop, TANK.replace("name: h, unit", "name: h，unit") + f"# {'long ' * 80}\n")
+    until(shop, "document.querySelector('.lint .press')")
+    button, editor = (shop.locator(name).first.bounding_box() for name in (".lint .press", ".editor-card"))
+    assert button["x"] + button["width"] <= editor["x"] + editor["width"]
+    shop.click(".lint .press")
+    until(shop, READY)
+
+
 def test_a_fault_is_added_by_pointing_at_an_equation(shop):
     """The consequences are in sight before; Escape leaves no trace, and Add leaves the new channel in the text."""
     paste(shop, TANK)

@@ -17,7 +17,7 @@ def clock(record: float) -> PlaybackClock:
 TIMES = st.lists(st.floats(0.001, 2.0), min_size=1, max_size=30)
 
 
-@given(TIMES, st.sampled_from([0.1, 1.0, 7.3, 1000.0]), st.sampled_from([0.001, 0.01, 0.25]))
+@given(TIMES, st.sampled_from([0.1, 1.0, 7.3, 1000.0, 10_000.0]), st.sampled_from([0.001, 0.01, 0.25]))
 def test_rows_follow_the_speed_for_any_polling(spacings, speed, record):
     """After T seconds T · speed / record rows are due, and never fewer than before."""
     playback, now, before = clock(record), 0.0, 0

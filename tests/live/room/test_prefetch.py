@@ -37,7 +37,7 @@ def frames(
     return planned
 
 
-@pytest.mark.parametrize("speed", [0.1, 1, 20, 200, 1000])
+@pytest.mark.parametrize("speed", [0.1, 1, 20, 200, 1000, 10_000])
 @pytest.mark.parametrize(("call", "row"), [(2e-4, 1e-6), (1e-3, 5e-6), (5e-3, 1e-5), (2e-4, 2e-4)])
 def test_each_frame_has_its_rows_whatever_they_cost(speed, call, row):
     """Even if the rows of one frame take longer than a batch may."""

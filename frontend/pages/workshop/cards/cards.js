@@ -70,13 +70,17 @@ export function mountCards(root, store, act, editor, point) {
     (state) => [state.good, state.check],
     (state) => {
       const warnings = state.check?.errors.filter((one) => one.severity === 'warning') ?? [];
-      fill(equations.body, state.good?.equations && lines(state.good.equations, warnings, point));
+      fill(
+        equations.body,
+        state.good?.equations &&
+          lines(state.good.equations, warnings, point, state.good.plant?.time.kind !== 'discrete'),
+      );
     },
   );
   store.subscribe(
     (state) => [state.trial, state.trialProblem, state.good],
     (state) => {
-      fill(preview.body, drawPreview(state));
+      fill(preview.body, drawPreview(state, store));
       fill(matrix.body, separation(state));
     },
   );
@@ -111,8 +115,9 @@ function picture(plant, state, editor) {
  * @param {service.PlantEquations} answer
  * @param {readonly service.TextError[]} warnings
  * @param {Parameters<typeof mountCards>[4]} point
+ * @param {boolean} continuous   whether the equations of states are rates
  */
-function lines(answer, warnings, point) {
+function lines(answer, warnings, point, continuous) {
   /**
    * @param {service.EquationLine} line
    * @param {'dynamics' | 'outputs' | null} field
@@ -120,7 +125,7 @@ function lines(answer, warnings, point) {
    */
   const row = (line, field, path) => {
     const wrong = warnings.find((one) => one.field === path);
-    const about = wrong ? wrong.problem : [named(line.description), line.unit].filter(Boolean).join(', ');
+    const about = wrong ? wrong.problem : [named(line.description), unitOf(line, field)].filter(Boolean).join(', ');
     const inner = [
       h('span', {class: 'line'}, mathml(line.math)),
       h('span', {class: wrong ? 'wrong-unit' : 'soft'}, about),
@@ -139,6 +144,10 @@ function lines(answer, warnings, point) {
       inner,
     );
   };
+  /** @param {service.EquationLine} line @param {string | null} field */
+  function unitOf({unit}, field) {
+    return unit && field === 'dynamics' && continuous ? perSecond(unit) : unit;
+  }
   return fitted(
     h(
       'div',
@@ -150,6 +159,10 @@ function lines(answer, warnings, point) {
     ),
   );
 }
+
+/** The unit of a rate: m/s for m, rad/s² for rad/s. @param {string} unit */
+const perSecond = (unit) =>
+  unit.endsWith('/s') ? `${unit}²` : unit.endsWith('/s²') ? unit.replace(/²$/, '³') : `${unit}/s`;
 
 const SMALLEST = 0.7; // of the usual size of type; an equation that is still too long is scrolled
 const UNIT = 48; // px that a unit beside an equation needs

@@ -21,7 +21,11 @@ export function mountParameters(card, store, act) {
   );
   const reset = h(
     'button',
-    {type: 'button', class: 'link', onclick: () => store.set({tried: {parameters: {}, initial: {}}})},
+    {
+      type: 'button',
+      class: 'link',
+      onclick: () => store.set({tried: {...store.state.tried, parameters: {}, initial: {}}}),
+    },
     t('page.workshop.reset'),
   );
   card.head.append(h('span', {class: 'links'}, reset, write));

@@ -3,18 +3,20 @@
 import {h, number, symbol} from '../../../common/dom.js';
 import {s} from '../../../widgets/svg.js';
 import {named, t} from '../../../i18n/words.js';
+import {inputMenus} from './preview-inputs.js';
 
 /** @import * as service from '../../../types/service.js' */
-/** @import {ShopState} from '../types.js' */
+/** @import {ShopState, ShopStore} from '../types.js' */
 
 const WIDTH = 250;
 const HEIGHT = 52;
+const INPUTS = 2; // that are shown
 const MOST = 5; // strips; a plant with more outputs shows the first
 
 let shown = ''; // the channel that is shown; kept while the text changes
 
-/** @param {ShopState} state */
-export function drawPreview(state) {
+/** @param {ShopState} state @param {ShopStore} store */
+export function drawPreview(state, store) {
   if (state.trialProblem) return h('p', {class: 'note'}, state.trialProblem.detail || state.trialProblem.title);
   if (!state.trial || !state.good?.plant) return h('p', {class: 'soft busy'}, t('page.workshop.simulating'));
   const {preview} = state.trial;
@@ -22,7 +24,9 @@ export function drawPreview(state) {
   const channels = plant.channels.filter((one) => one.name in preview.faulty);
   if (!channels.some((one) => one.name === shown)) shown = channels[0]?.name ?? '';
   const box = h('div', {class: 'preview'});
-  const draw = () => box.replaceChildren(...parts(preview, plant, draw, channels));
+  const menus = inputMenus(state, store, Object.keys(preview.inputs).slice(0, INPUTS));
+  const draw = () =>
+    box.replaceChildren(h('p', {class: 'preview-choice'}, menus), ...parts(preview, plant, draw, channels));
   draw();
   return box;
 }
@@ -36,7 +40,7 @@ export function drawPreview(state) {
 function parts(preview, plant, again, channels) {
   const end = preview.t.at(-1) ?? 1;
   const faulty = preview.faulty[shown] ?? {};
-  const inputs = Object.entries(preview.inputs).slice(0, 2);
+  const inputs = Object.entries(preview.inputs).slice(0, INPUTS);
   const outputs = Object.entries(preview.outputs).slice(0, MOST - inputs.length);
   /** @param {string} name */
   const unit = (name) => [...plant.inputs, ...plant.outputs].find((one) => one.name === name)?.unit ?? '';
@@ -79,15 +83,13 @@ function parts(preview, plant, again, channels) {
       h('span', {class: 'swatch faulty'}),
       t('page.workshop.preview.with'),
       ' ',
-      symbol(shown),
+      channels.length > 1 ? choose : symbol(shown),
       ` = ${number(preview.sizes[shown], 3)}`,
       ' ',
       t('page.workshop.preview.from', {t: number(preview.onset, 3)}),
     ],
   );
-  return [channels.length > 1 ? h('p', {class: 'preview-choice'}, choose) : '', ...strips, axis, legend].filter(
-    (one) => one !== '',
-  );
+  return [...strips, axis, legend];
 }
 
 /**
