@@ -129,6 +129,8 @@ export interface State {
   past: service.Facts | null;
   /** Labels of the observers whose curves coincide with those of an earlier one. */
   twins: string[];
+  /** Labels of the observers whose bias may exceed their bands, at the end of the window. */
+  converging: string[];
   /** Colour numbers by observer label, of removed observers too. */
   places: {[label: string]: number};
   /** The session that this one was forked from. */

@@ -1868,6 +1868,8 @@ export interface ObserverInWindow {
   settled: number | null;
   /** Too noisy: θ̂ reached θ, but noise moves it out of the 10 % band. Unknown: no step, or no θ̂. */
   outcome: 'settled' | 'not-yet' | 'too-noisy' | 'unknown';
+  /** Whether since the last change θ̂ still moves, or y − ŷ is larger, than noise explains, so that the bias of θ̂ may exceed its band; null: unknown, or without a band. */
+  converging: boolean | null;
 }
 
 /** A kind of observer with its gains and options. */

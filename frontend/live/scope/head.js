@@ -213,7 +213,12 @@ function bandOf(banded, app, key) {
   const shown = chosen ? [chosen] : banded;
   return h(
     'li',
-    {'data-mark': 'band', title: chosen ? null : t('page.scope.band.hint')},
+    {
+      'data-mark': 'band',
+      title: [!chosen && banded.length > 1 && t('page.scope.band.hint'), t('page.observers.bands-note')]
+        .filter(Boolean)
+        .join('\n'),
+    },
     h(
       'span',
       {class: 'bands', 'aria-hidden': 'true'},

@@ -175,6 +175,7 @@ const own = {
     facts: null,
     past: null,
     twins: [],
+    converging: [],
     faults: [],
     alarms: [],
     log: [],

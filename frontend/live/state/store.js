@@ -34,6 +34,7 @@ export const initial = Object.freeze({
   facts: null,
   past: null,
   twins: [],
+  converging: [],
   places: {},
   parent: null,
   origin: null,

@@ -187,6 +187,11 @@ class ObserverInWindow(Strict):
     outcome: Literal["settled", "not-yet", "too-noisy", "unknown"] = Field(
         description="Too noisy: θ̂ reached θ, but noise moves it out of the 10 % band. Unknown: no step, or no θ̂."
     )
+    converging: bool | None = Field(
+        default=None,
+        description="Whether since the last change θ̂ still moves, or y − ŷ is larger, than noise explains, so that the "
+        "bias of θ̂ may exceed its band; null: unknown, or without a band.",
+    )
 
 
 class WindowComparison(Strict):

@@ -71,12 +71,14 @@ def test_every_band_is_drawn_and_a_name_selects_one(tab):
     opened = settled(tab, FOUR)
     labels = opened.evaluate(f"{APP}.state.observers.map(({{label}}) => label)")
     assert opened.evaluate(f"[...{APP}.scope.bands()]") == labels
-    assert opened.inner_text(".legend [data-mark=band]") == "±2σ of each" and opened.locator(".bands .key").count() == 4
+    assert (
+        opened.inner_text(".legend [data-mark=band]") == "±2σ of noise" and opened.locator(".bands .key").count() == 4
+    )
     name = opened.locator(".legend .name:text-is('ekf')")
     name.focus()
     opened.keyboard.press("Enter")
     until(opened, f"{APP}.state.band === 'ekf'")
-    assert opened.evaluate(f"[...{APP}.scope.bands()]") == ["ekf"] and "±2σ of ekf" in opened.inner_text(
+    assert opened.evaluate(f"[...{APP}.scope.bands()]") == ["ekf"] and "±2σ of noise, ekf" in opened.inner_text(
         ".legend [data-mark=band]"
     )
     assert (
@@ -160,6 +162,6 @@ def test_a_figure_has_its_marks_and_their_legend(tab):
     """The exported scope contains alarms, threshold, tint and bands, each with its legend."""
     opened = settled(tab, PAUSED)
     svg = opened.evaluate(f"{APP}.act.figure({{strip: null, format: 'svg'}}).then((blob) => blob.text())")
-    for words in ("alarm", "fault active", "±2σ of adaptive", "required excitation"):
+    for words in ("alarm", "fault active", "±2σ of noise, adaptive", "required excitation"):
         assert words in svg, words
     assert "▼" in svg and len(re.findall(r"stroke-dasharray", svg)) >= 4

@@ -201,6 +201,19 @@ def test_the_comparison_is_computed_over_the_window(tab):
     )
 
 
+def test_an_observer_that_converges_is_marked(tab):
+    """Soon after the start the slow observer is marked, with a sentence on bands; long after it no longer is."""
+    live = opened(tab, "/?experiment=zhao-2012&t=1")
+    until(live, "document.querySelector('#panel-observers .converging:not([hidden])')")
+    assert "not the bias" in live.inner_text("#panel-observers .bands-note")
+    assert "not the bias" in live.get_attribute(".legend [data-mark=band]", "title")
+    live.evaluate("thetascope.act.step(1700)")
+    until(
+        live, "thetascope.samples.now > 17.9 && !document.querySelector('#panel-observers .converging:not([hidden])')"
+    )
+    assert not live.is_visible("#panel-observers .bands-note")
+
+
 def test_a_click_in_the_log_shows_that_moment(tab):
     """The scope shows the time of the event; the session does not go back."""
     live = opened(tab, PAUSED)

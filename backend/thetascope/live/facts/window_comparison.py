@@ -12,6 +12,7 @@ from thetascope.diagnosis.evaluation.metrics import event_times
 from thetascope.diagnosis.evaluation.observer_comparison import error
 from thetascope.diagnosis.evaluation.verdicts import fault_ids
 from thetascope.diagnosis.evaluation.window_comparison import Samples, late_noise, settling_of_step, window_figures
+from thetascope.live.facts.observers_converging import observers_converging
 from thetascope.live.facts.shown_session import RecordedSession
 from thetascope_schemas.experiment.faults import Fault
 from thetascope_schemas.service.comparison import (
@@ -51,13 +52,15 @@ async def window_comparison(
     if fault is not None:
         after = await _rows_after(room, fault, names, MOST_ROWS)
 
+    moving = await observers_converging(room, last)
+
     def figures() -> list[ObserverInWindow]:
         answer = []
         for label in labels:
             made = asdict(window_figures(window, label, state, channel))
             if fault is not None and after is not None and channel is not None:
                 made["settled"], made["outcome"] = settling_of_step(after, label, channel, fault, spec.faults)
-            answer.append(ObserverInWindow(**made))
+            answer.append(ObserverInWindow(**made, converging=moving.get(label)))
         return answer
 
     return WindowComparison(

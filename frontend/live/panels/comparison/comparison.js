@@ -236,7 +236,10 @@ export function mount(element, app) {
     /** @param {string} id @returns {Promise<service.WindowComparison | null>} */
     const ask = (id) => get(`/api/sessions/${encodeURIComponent(id)}/comparison?${query}`).catch(() => null);
     const [mine, first] = await Promise.all([ask(session), origin && parent ? ask(parent.id) : null]);
-    if (number === asking) show({mine, parent: first});
+    if (number !== asking) return;
+    show({mine, parent: first});
+    const converging = mine?.observers.filter((one) => one.converging).map(({label}) => label) ?? [];
+    if (converging.join('\n') !== app.state.converging.join('\n')) app.store.dispatch({type: 'set', converging});
   };
   /** @param {{mine: service.WindowComparison | null, parent: service.WindowComparison | null}} answers */
   const show = (answers) => {

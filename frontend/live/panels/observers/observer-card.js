@@ -94,6 +94,8 @@ export function createCard(app, observer, kind) {
     h('b', {}, observer.label),
   );
   const colour = chip(observer.colour, observer.dashed);
+  const converging = h('span', {class: 'converging', hidden: true}, t('page.observers.converging'));
+  converging.title = t('page.observers.converging.hint');
   const body = h('div', {class: 'tuning'}, gains, fold);
   let chosen = false; // opened or closed by hand
   let listed = false; // the checks
@@ -112,6 +114,7 @@ export function createCard(app, observer, kind) {
       colour,
       unfold,
       h('span', {class: 'kind soft', title: `${named(kind.title)}. ${kind.source}`}, kindName(kind)),
+      converging,
       lights,
       cross,
     ),
@@ -175,6 +178,7 @@ export function createCard(app, observer, kind) {
       colour.classList.toggle('dashed', present.dashed);
       fill(fallen, present.diverged && fall(app, present));
       fallen.hidden = !present.diverged;
+      converging.hidden = !app.state.converging.includes(observer.label);
       show();
       card.checks();
     },

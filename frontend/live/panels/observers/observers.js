@@ -22,6 +22,7 @@ export function mount(element, app) {
   // the form scrolls with the cards: however low the card is, its buttons can be reached
   const body = h('div', {class: 'scroll'}, adder, list);
   const more = wholeLines(body, () => childrenOf(list), app);
+  const note = h('p', {class: 'soft bands-note', hidden: true});
   /** @type {Map<string, Card>} */
   let cards = new Map();
   /** @type {service.ObserverKind[]} */
@@ -46,7 +47,8 @@ export function mount(element, app) {
     toggle(false);
     for (const card of cards.values()) card.end();
     cards = new Map();
-    fill(element, heading(t('page.observers.title'), add), body, more);
+    note.textContent = t('page.observers.bands-note');
+    fill(element, heading(t('page.observers.title'), add), body, note, more);
     update();
   };
   const update = () => {
@@ -105,6 +107,13 @@ export function mount(element, app) {
     () => load().catch(app.act.refused),
   );
   app.subscribe((state) => state.observers, update);
+  app.subscribe(
+    (state) => state.converging,
+    (labels) => {
+      note.hidden = labels.length === 0;
+      update();
+    },
+  );
   app.subscribe(
     (state) => state.noise,
     () => filled(true),
