@@ -9,9 +9,22 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from sqlalchemy import select
 
 from tests.store.samples import made_record, made_result
-from thetascope.store import Database, RunStore, StoreError, verify
+from thetascope.store import (
+    Database,
+    NotebookStore,
+    PlantStore,
+    PlantVersion,
+    RecordStore,
+    RunStore,
+    Share,
+    StoreError,
+    record_id,
+    verify,
+)
+from thetascope.store.tables import RUN_NOTES
 
 ROOT = Path(__file__).parents[2]
 ROUNDS = 6
@@ -31,6 +44,32 @@ def write_and_be_killed(place: str) -> None:
         os.close(sending)
         with os.fdopen(receiving) as acknowledged:
             for _ in range(3 + i):
+                print(acknowledged.readline(), end="", flush=True)
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+            print(acknowledged.read(), end="", flush=True)
+
+
+def write_what_is_typed(place: str) -> None:
+    """Write plants, records, names, tags and notes in processes that are killed; print the number of each round."""
+    for i in range(ROUNDS):
+        receiving, sending = os.pipe()
+        child = os.fork()
+        if not child:
+            database = Database(place)
+            notes, plants, records = NotebookStore(database), PlantStore(database), RecordStore(database)
+            for j in range(10**6):
+                name = f"{i}-{j}"
+                plants.put(PlantVersion("ann", "tank", 0, name, "yaml", 0, True, f"id: tank\n# {name}\n", float(j)))
+                records.put(
+                    name.encode() * 500, Share(record_id(name.encode() * 500), "ann", name, None, None, float(j))
+                )
+                notes.note(name, "ann", name, (name,))
+                notes.note_comparison([name, "x"], "ann", name)
+                os.write(sending, f"{name}\n".encode())
+        os.close(sending)
+        with os.fdopen(receiving) as acknowledged:
+            for _ in range(2 + i):
                 print(acknowledged.readline(), end="", flush=True)
             os.kill(child, signal.SIGKILL)
             os.waitpid(child, 0)
@@ -74,6 +113,23 @@ def test_a_kill_during_a_write_loses_nothing_that_was_acknowledged(place):
             assert store.get(id) is not None
             assert store.get_result(id, "e").data.tobytes() == made_result(2000, int(id[2:])).data.tobytes()
         store.put(made_record("later"))
+
+
+def test_a_kill_loses_no_plant_record_or_note(place):
+    """Every version, file, name, tag and note that was acknowledged is there after six kills."""
+    names = in_a_process("write_what_is_typed", place)
+    assert len(names) >= sum(2 + i for i in range(ROUNDS))
+    with closing(Database(place)) as database:
+        assert verify(database).defects == ()
+        notes, plants, records = NotebookStore(database), PlantStore(database), RecordStore(database)
+        versions = plants.versions("ann", "tank")
+        assert [one.version for one in versions] == list(range(len(versions), 0, -1))
+        assert {one.title for one in versions} >= set(names)
+        with database.reading() as connection:
+            named = {row.run: row.tags for row in connection.execute(select(RUN_NOTES))}
+        for name in names:
+            assert named[name] == f'["{name}"]' and notes.comparison_notes(["x", name], "ann") == name
+            assert records.data(record_id(name.encode() * 500)) == name.encode() * 500
 
 
 def test_a_full_disk_is_an_error_with_a_remedy_and_damages_nothing(tmp_path):
