@@ -150,7 +150,8 @@ class Filled:
     def listed(self, path: str, kind: str) -> tuple[int, list[dict]]:
         """Return the number of entries of a list, and the entry of the row that is never damaged."""
         entries = self.send("GET", path)[kind]
-        return len(entries), [entry for entry in entries if entry["id"] == self.ids[kind][WHOLE]]
+        whole = [entry for entry in entries if entry["id"] == self.ids[kind][WHOLE]]
+        return len(entries), [{**entry, "changes": None} for entry in whole]  # changes: from another run
 
     def damage(self, table: str, column: str) -> None:
         with self.opened() as connection:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from sqlalchemy import Connection, select, update
 
-from thetascope.store.tables import RESULTS, RUNS, outcome_sum, result_sum, spec_sum
+from thetascope.store.tables import RESULTS, RUN_FACTS, RUNS, facts_sum, outcome_sum, result_sum, spec_sum
 
 
 def add_checksums(connection: Connection) -> None:
@@ -18,6 +18,14 @@ def add_checksums(connection: Connection) -> None:
         place = (RESULTS.c.id == id) & (RESULTS.c.engine == engine)
         row = connection.execute(select(RESULTS.c.rows, RESULTS.c.head, RESULTS.c.data).where(place)).one()
         connection.execute(update(RESULTS).where(place).values(checksum=result_sum(id, engine, *row)))
+
+
+def add_sums_of_facts(connection: Connection) -> None:
+    """Give the facts of runs checksums."""
+    columns = [column for column in RUN_FACTS.c if column.name != "checksum"]
+    for row in connection.execute(select(*columns)).all():
+        here = RUN_FACTS.c.run == row.run
+        connection.execute(update(RUN_FACTS).where(here).values(checksum=facts_sum(row.run, row)))
 
 
 #: SQL for SQLite, whose types are translated for other databases, and functions for what SQL cannot do.
@@ -120,5 +128,9 @@ MIGRATIONS: tuple[tuple[str | Callable[[Connection], None], ...], ...] = (
             text TEXT NOT NULL,
             PRIMARY KEY (runs, owner)
         )""",
+    ),
+    (
+        "ALTER TABLE run_facts ADD COLUMN checksum TEXT",
+        add_sums_of_facts,
     ),
 )

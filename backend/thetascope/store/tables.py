@@ -69,6 +69,7 @@ RUN_FACTS = Table(
     Column("numbers", Characters, nullable=False),
     Column("changes", Characters, nullable=False),
     Column("shown", Characters, nullable=False),
+    Column("checksum", Characters),
 )
 
 #: What an owner calls a run, its tags as a JSON list, and the time at which the owner removed it, null before.
@@ -200,6 +201,17 @@ def plant_sum(row: Any) -> str:
 def has_plant(row: Any) -> bool:
     """Return whether a row of `plants` is what was written."""
     return row.checksum == plant_sum(row)
+
+
+def facts_sum(run: str, row: Any) -> str:
+    """Return the checksum of the facts of a run but their kind, which a session that is saved changes."""
+    measures = (row.rmse, row.delay, row.false_alarms)
+    return checksum(run, row.experiment, *measures, row.words, row.numbers, row.changes, row.shown)
+
+
+def has_facts(row: Any) -> bool:
+    """Return whether a row of `run_facts` is what was written."""
+    return row.checksum == facts_sum(row.run, row)
 
 
 def as_text(value: object) -> str:

@@ -16,14 +16,16 @@ def with_own_changes(lines: Sequence[Line], spec_of: Callable[[str], Experiment 
 
     The oldest such run of each plant among the lines has no changes, and neither has one that cannot be read.
     """
-    first: dict[str, Experiment | None] = {}
+    first: dict[str, Experiment] = {}
     changed: dict[str, Line] = {}
     own = [line for line in lines if line.facts and not line.facts.experiment and line.facts.kind != "record"]
     for line in sorted(own[:_MOST], key=lambda line: line.record.created):
         assert line.facts is not None
-        plant, spec = str(line.facts.shown.get("plant")), spec_of(line.record.id)
-        base = first.setdefault(plant, spec)
-        if base is not None and spec is not None and base is not spec:
+        spec = spec_of(line.record.id)
+        if spec is None:
+            continue  # a damaged run must not take the changes of the others away
+        base = first.setdefault(str(line.facts.shown.get("plant")), spec)
+        if base is not spec:
             changes = spec_changes(base, spec)
             changed[line.record.id] = replace(line, facts=replace(line.facts, changes=changes, compared=True))
     return [changed.get(line.record.id, line) for line in lines]

@@ -1,15 +1,19 @@
 """Facts of a run, which are written with it."""
 
 import json
-from contextlib import suppress
+import logging
+import math
 from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
 from typing import Any
 
 from sqlalchemy import Connection, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 
 from thetascope.messages import Message
-from thetascope.store.tables import RUN_FACTS, as_json, as_number, as_text
+from thetascope.store.tables import RUN_FACTS, as_json, as_number, as_text, facts_sum, has_facts
+
+log = logging.getLogger(__name__)
 
 KINDS = ("run", "session", "record")
 """A run that was asked for, a live session that was saved, and observers on a record."""
@@ -42,19 +46,21 @@ class RunFacts:
     compared: bool = False
 
 
-_CHANGED = ("experiment", "rmse", "delay", "false_alarms", "words", "numbers", "changes", "shown")  # not the kind
+_MEASURES = ("rmse", "delay", "false_alarms")
+_CHANGED = ("experiment", *_MEASURES, "words", "numbers", "changes", "shown", "checksum")  # not the kind
 _JSON = {"numbers": dict, "changes": list, "shown": dict}
 
 
 def put_facts(connection: Connection, id: str, facts: RunFacts) -> None:
     """Write the facts of a run in a transaction. Its kind stays, and its curve if there is no other."""
     if "curve" not in facts.shown:
-        old = connection.execute(select(RUN_FACTS.c.shown).where(RUN_FACTS.c.run == id)).scalar_one_or_none()
-        with suppress(ValueError, AttributeError, TypeError):
-            facts = replace(facts, shown={"curve": json.loads(old or "").get("curve"), **facts.shown})
-    row = {"run": id, **vars(facts)}
+        old = connection.execute(select(RUN_FACTS).where(RUN_FACTS.c.run == id)).one_or_none()
+        if old is not None and has_facts(old):
+            facts = replace(facts, shown={"curve": as_json(old.shown).get("curve"), **facts.shown})
+    row = {"run": id, **vars(facts), "rmse": _measured(facts.rmse), "delay": _measured(facts.delay)}
     row |= {name: json.dumps(row[name], ensure_ascii=False) for name in _JSON}
     row["words"] = facts.words.replace("\0", " ")
+    row["checksum"] = facts_sum(id, SimpleNamespace(**row))
     statement = {"sqlite": sqlite, "postgresql": postgresql}[connection.dialect.name].insert(RUN_FACTS)
     changed = {name: statement.excluded[name] for name in _CHANGED}
     connection.execute(statement.on_conflict_do_update(index_elements=["run"], set_=changed), row)
@@ -66,8 +72,11 @@ def set_kind(connection: Connection, id: str, kind: str) -> None:
 
 
 def facts_of_row(row: Any) -> RunFacts | None:
-    """Return the facts in a row that joins runs and facts; None if there are none, or they cannot be read."""
+    """Return the facts in a row that joins runs and facts; None if there are none, or they are not what was written."""
     measures = (row.rmse, row.delay, row.false_alarms)
+    if row.kind is not None and row.checksum != facts_sum(row.id, row):
+        log.error("the facts of run %s are damaged, and are found again", row.id)
+        return None
     if row.kind not in KINDS or not all(map(_is_measure, measures)):
         return None
     try:
@@ -78,6 +87,10 @@ def facts_of_row(row: Any) -> RunFacts | None:
     if not well_formed or not all(map(_is_change, data["changes"])):
         return None
     return RunFacts(as_text(row.experiment), row.kind, *measures, as_text(row.words), **data)
+
+
+def _measured(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)
 
 
 def _is_measure(value: object) -> bool:
