@@ -142,6 +142,11 @@ function looks(app) {
       if (name === null) set(app, {strips: {}});
       else if (shown !== undefined) app.store.dispatch({type: 'strip', name, shown});
     },
+    plane(place, plane) {
+      const {planes} = app.state;
+      const others = plane === null ? [] : [plane];
+      set(app, {planes: [...planes.slice(0, place), ...others, ...planes.slice(place + 1)]});
+    },
     table: (on) => set(app, {table: on}),
     site: (name) => set(app, {site: name}),
     present(on) {

@@ -7,6 +7,7 @@ import {keepAddress} from './address.js';
 import {mountDesk} from './ui/presentation.js';
 import {Edge, createLoop} from './loop.js';
 import {mountHysteresis} from './scope/hysteresis.js';
+import {mountPlanes} from './scope/planes.js';
 import {Arrivals} from './net/missed-rows.js';
 import {mountNotice} from './ui/notice.js';
 import {mountPanels} from './mount-panels.js';
@@ -371,6 +372,7 @@ window.thetascope = app; // for the console, and for the tests
 await speak(store.state.language);
 const scope = (app.scope = mountScope(place('scope'), app));
 mountHysteresis(place('hysteresis'), app);
+mountPlanes(place('planes'), app);
 mountTimeline(place('timeline'), app);
 mountTransport(place('transport'), app);
 mountNotice(place('notice'), app);

@@ -5,6 +5,7 @@
 import type {Alarm} from '../diagnosis/alarms.js';
 import type * as service from '../types/service.js';
 import type {Edge} from './loop.js';
+import type {Plane} from './state/planes.js';
 import type {Message} from '../i18n/render.js';
 import type {Range} from './scope/axes.js';
 import type {Samples} from './state/samples.js';
@@ -152,6 +153,8 @@ export interface State {
   band: string | null;
   /** Whether strips are shown, where chosen by hand. */
   strips: {[name: string]: boolean};
+  /** Phase planes: ids of the quantities of their axes. */
+  planes: Plane[];
   /** Whether the full comparison is open. */
   table: boolean;
   /** Fault site selected in the plant. */
@@ -245,6 +248,8 @@ export interface Actions {
   look(t: number | null): void;
   band(label: string | null): void;
   strip(name: string | null, shown?: boolean): void;
+  /** Set a phase plane, add one at the end, or (null) remove it. */
+  plane(place: number, plane: Plane | null): void;
   /** Open or close the full comparison. */
   table(on: boolean): void;
   site(name: string | null): void;

@@ -4,6 +4,7 @@ import {childrenOf, fill, h, query, symbol} from '../../common/dom.js';
 import {brief, symbolic} from '../../common/names.js';
 import {seconds} from '../../widgets/number-format.js';
 import {link} from '../../widgets/controls.js';
+import {nextPlane, quantitiesOf} from '../state/planes.js';
 import {kept} from '../net/session.js';
 import {t} from '../../i18n/words.js';
 
@@ -73,7 +74,7 @@ export function mountHead(root, app, scope) {
     },
   );
   app.subscribe(
-    (state) => [state.plant, state.columns, state.strips, state.language, state.faults, state.observers],
+    (state) => [state.plant, state.columns, state.strips, state.language, state.faults, state.observers, state.planes],
     () => fillMenu(menu, app),
   );
   menu.addEventListener('keydown', (event) => {
@@ -276,6 +277,7 @@ function fillMenu(menu, app) {
     const own = all.filter((strip) => strip.kind === kind);
     return own.length ? h('fieldset', {}, h('legend', {}, t(`page.scope.group.${name}`)), own.map(box)) : null;
   });
+  const further = nextPlane(app.state.planes, quantitiesOf(app.state));
   const changed = Object.keys(app.state.strips).length > 0;
   fill(
     menu,
@@ -284,6 +286,17 @@ function fillMenu(menu, app) {
       'div',
       {class: 'menu-body'},
       groups,
+      further &&
+        h(
+          'button',
+          {
+            type: 'button',
+            class: 'link add-plane',
+            title: t('page.planes.add.hint'),
+            onclick: () => app.act.plane(app.state.planes.length, further),
+          },
+          t('page.planes.add'),
+        ),
       changed &&
         h(
           'button',

@@ -182,6 +182,7 @@ const own = {
     checks: {},
     diagnosis: null,
     strips: {},
+    planes: parent ? state.planes : [],
     table: parent ? state.table : false, // a fork is compared with its parent
     selection: null,
     looking: null,

@@ -46,6 +46,7 @@ export const initial = Object.freeze({
   looking: null,
   band: null,
   strips: {},
+  planes: [],
   table: false,
   site: null,
   presentation: false,
