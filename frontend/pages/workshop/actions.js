@@ -111,7 +111,8 @@ export function createActions(store, editor) {
     const {trial, tried, state} = {...store.state, state: store.state};
     if (!trial) throw new Error(t('page.workshop.simulating'));
     const observers = chosenKinds(state).map((kind) => ({label: kind, kind}));
-    return {...trial.experiment, parameters: tried.parameters, initial: tried.initial, observers};
+    const inputs = {...trial.experiment.inputs, ...tried.inputs}; // the trial may be older than the last choice
+    return {...trial.experiment, parameters: tried.parameters, initial: tried.initial, inputs, observers};
   }
 
   /** @type {ShopActions} */
