@@ -7,7 +7,7 @@ from tests.browser.live_helpers import APP, OPENED, until
 from tests.browser.pages.test_workshop_page import READY, paste
 
 MOTOR = """id: bench-motor
-title: Motor on my bench
+title: 电机
 states:
   - {name: i, unit: A, initial: 0.3}
   - {name: w, unit: rad/s, initial: 20}
@@ -26,8 +26,8 @@ dynamics:
   i: (v - R*i - K*w)/L
   w: (K*i - b*w)/J
 channels:
-  - {name: friction, title: more friction, kind: process, enters: {w: -w/J}, unit: N·m·s/rad, typical: 0.005}
-  - {name: hot, title: hot winding, kind: process, enters: {i: -i/L}, unit: Ω, typical: 0.2}
+  - {name: friction, title: 摩擦, kind: process, enters: {w: -w/J}, unit: N·m·s/rad, typical: 0.005}
+  - {name: hot, title: 绕组, kind: process, enters: {i: -i/L}, unit: Ω, typical: 0.2}
 """
 ROWS = "document.querySelectorAll('tr[data-run]')"
 
@@ -63,7 +63,7 @@ def test_an_own_plant_becomes_a_figure_in_another_browser(page, server, elsewher
 
     other = visit(elsewhere, server, "/workshop/?plant=bench-motor", 1440, 900, "light")
     until(other, READY + " && document.querySelectorAll('.ranked input:checked').length === 2")
-    assert other.locator(".mine .on").inner_text().startswith("Motor on my bench")
+    assert other.locator(".mine .on").inner_text().startswith("电机")
     for shape in ("square", "sine"):
         other.goto(f"{server}/workshop/?plant=bench-motor")
         until(other, READY + " && document.querySelector('.preview-input select') && document.querySelector('.ranked')")

@@ -67,16 +67,17 @@ def test_a_saved_plant_is_found_again_and_its_deletion_undone(shop):
     until(shop, "document.querySelector('.mine .on .sub')?.textContent.includes('version 2')")
     shop.goto(shop.url)
     until(shop, "document.querySelector('.cm-content')?.textContent.includes('# changed')")
-    shop.hover(".mine .entry")
-    shop.click(".mine .remove")
-    until(shop, "document.querySelectorAll('.mine .entry').length === 0")
+    entries = "[...document.querySelectorAll('.mine .entry b')].filter((one) => one.textContent === 'Mine').length"
+    shop.hover(".mine .entry.on")
+    shop.click(".mine .on .remove")
+    until(shop, f"{entries} === 0")
     shop.click(".shop-bar .state .link")
-    until(shop, "document.querySelectorAll('.mine .entry').length === 1")
+    until(shop, f"{entries} === 1")
 
 
 def test_versions_and_shapes_of_the_preview_are_chosen_from_menus(shop):
     """An earlier version comes back with its text, an input of the preview gets another shape."""
-    first = TANK.replace("id: leaky-tank", "id: versioned").replace("title: Tank with a pump", "title: Versioned")
+    first = TANK.replace("id: leaky-tank", "id: versioned").replace("title: Tank with a pump", "title: 水箱")
     for text in (first, first + "# later\n"):
         paste(shop, text)
         until(shop, READY)
