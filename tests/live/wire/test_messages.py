@@ -89,3 +89,21 @@ def test_a_viewer_may_burst_and_is_then_read_at_its_rate():
     assert waits[:20] == [0.0] * 20
     assert abs(now - 2.0) < 1e-9
     assert allowance.wait(now + 100) == 0.0
+
+
+def test_a_long_message_counts_as_several():
+    """A table of many points takes the time of twenty short commands: at 60 a second nobody else would be answered."""
+    allowance, now, count = Allowance(60, 0.0), 0.0, 0
+    while now < 10:
+        now += allowance.wait(now, 88_000)
+        count += 1
+    assert count <= 3 * 10 + 10
+    allowance = Allowance(60, 0.0)
+    assert not any(allowance.wait(k / 60, 200) > 0.2 for k in range(600))
+
+
+def test_depth_is_bounded():
+    """Forty levels are read, the next one is refused."""
+    for levels, says in ((39, "type"), (41, "too-deep")):
+        text = '{"type": "play", "id": 1, "x": ' + "[" * (levels - 1) + "]" * (levels - 1) + "}"
+        assert (says == "too-deep") == (read(text, 10_000).code == "session.message.too-deep")

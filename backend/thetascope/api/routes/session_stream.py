@@ -107,9 +107,10 @@ async def _read(websocket: WebSocket, room, viewer, settings) -> None:
         message = await websocket.receive()
         if message["type"] == "websocket.disconnect":
             return
-        if (wait := allowance.wait(clock())) > 0:
+        text = message.get("text")
+        if (wait := allowance.wait(clock(), min(len(text or ""), settings.max_message))) > 0:
             await asyncio.sleep(wait)
-        room.commands.receive(viewer, message.get("text"), settings.max_message)
+        room.commands.receive(viewer, text, settings.max_message)
 
 
 def matches(given: str, token: str) -> bool:

@@ -13,6 +13,7 @@ from thetascope_schemas.service.session import ClientMessage, Refused
 
 _COMMANDS: TypeAdapter[ClientMessage] = TypeAdapter(ClientMessage)
 _DEEPEST = 40  # levels of nested lists and objects
+_SHORT = 4000  # characters of a long message that count as a further one
 _SHOWN = 60  # characters of a message that a refusal quotes
 
 
@@ -33,9 +34,9 @@ def read(text: str | None, limit: int) -> ClientMessage | Refused:
         return refusal(None, Message("session.message.too-deep"), text[:_SHOWN])
     except ValueError as error:
         return refusal(None, Message("session.message.json", detail=str(error)), text[:_SHOWN])
-    if _depth(data) > _DEEPEST:
+    if _is_too_deep(data):
         return refusal(_id(data), Message("session.message.too-deep"))
-    if not _encodable(data):
+    if "\\u" in text and not _encodable(data):  # only an escape can be half of a pair
         return refusal(_id(data), Message("session.message.surrogate"))
     try:
         return _COMMANDS.validate_python(data)
@@ -68,15 +69,14 @@ def _id(data: Any) -> int | None:
     return number if isinstance(number, int) and not isinstance(number, bool) and 0 <= number < 2**53 else None
 
 
-def _depth(data: Any) -> int:
-    """Return how deep lists and objects are nested, counted up to one more than is allowed."""
-    level, depth = [data], 0
-    while depth <= _DEEPEST:
-        level = [item for value in level for item in _items(value)]
+def _is_too_deep(data: Any) -> bool:
+    """Return whether lists and objects are nested deeper than is allowed; numbers and texts are not looked at twice."""
+    level = [data]
+    for _ in range(_DEEPEST):
+        level = [item for value in level for item in _items(value) if isinstance(item, dict | list)]
         if not level:
-            return depth
-        depth += 1
-    return depth
+            return False
+    return True
 
 
 def _encodable(data: Any) -> bool:
@@ -101,15 +101,17 @@ def _refuse_constant(name: str) -> None:
 class Allowance:
     """How many messages a viewer may send: `rate` per second, and a burst of as many as in two seconds.
 
-    A viewer that sends more is read more slowly, so nothing is lost and nothing accumulates here.
+    A long message counts as several, since it takes longer to read and to carry out. A viewer that sends more is read
+    more slowly, so nothing is lost and nothing accumulates here.
     """
 
     def __init__(self, rate: float, now: float) -> None:
         self._rate, self._most = rate, 2 * rate
         self._left, self._at = self._most, now
 
-    def wait(self, now: float) -> float:
-        """Count one message; return the seconds to wait before it is read."""
-        self._left = min(self._most, self._left + (now - self._at) * self._rate) - 1
+    def wait(self, now: float, characters: int = 0) -> float:
+        """Count one message with its characters; return the seconds to wait before it is read."""
+        weight = 1 + characters / _SHORT
+        self._left = min(self._most, self._left + (now - self._at) * self._rate) - weight
         self._at = now
         return max(0.0, -self._left / self._rate)
