@@ -123,3 +123,21 @@ def test_a_query_made_to_harm_is_refused_by_every_operation(target: Target):
                 count += 1
     target.answer("GET", "/api/catalogue?lang=%00%ff")
     assert count > 1000
+
+
+def test_every_operation_checks_host_and_origin(target: Target):
+    """A name that leads here by rebinding reads nothing, and a page of another site changes nothing, wherever."""
+
+    def status(method: str, path: str, **headers: str) -> int:
+        target.connection.request(method, path, headers=headers)
+        answer = target.connection.getresponse()
+        answer.read()
+        target.connection.close()
+        return answer.status
+
+    assert len(target.operations) > 60
+    for method, path, _, _ in target.operations:
+        assert status(method, path, Host="evil.example") == 421, (method, path)
+        if method != "GET":
+            for origin in ("https://evil.example", "null"):
+                assert status(method, path, Origin=origin) == 403, (method, path)
