@@ -46,7 +46,9 @@ export function label(row, app) {
   row.element.dataset.strip = strip.name;
   row.element.classList.toggle(
     'fault-on',
-    strip.kind === 'theta' && app.state.faults.some(({subject, active}) => active && subject === strip.subject),
+    strip.kind === 'theta' &&
+      (app.state.lesson?.truth ?? true) &&
+      app.state.faults.some(({subject, active}) => active && subject === strip.subject),
   );
   row.canvas.dataset.name = [symbolic(strip.symbol) && plain(strip.symbol), words].filter(Boolean).join(' ');
   row.canvas.setAttribute('aria-label', row.canvas.dataset.name);
