@@ -168,8 +168,8 @@ export interface State {
   problem: {title: string; detail: string} | null;
   notice: NoticeLine | null;
   /**
-   * The step of a lesson that is shown, whether true states and faults, and the diagnosis, are visible in it, and a level
-   * on one of its strips.
+   * The step of a lesson that is shown, whether true states and faults, and the diagnosis, are visible in it, a level on
+   * one of its strips, and the time until which it will run; null where it has run.
    */
   lesson: {
     id: string;
@@ -177,6 +177,7 @@ export interface State {
     truth: boolean;
     diagnosis: boolean;
     line: {strip: string; at: number} | null;
+    until: number | null;
   } | null;
 }
 
@@ -401,6 +402,7 @@ export interface Palette {
   ok: string;
   observers: string[];
   number: string;
+  words: string;
   /** Relative to the usual size of text. */
   size: number;
 }
@@ -420,6 +422,8 @@ export interface View {
   alarms: Alarm[];
   /** Time in s up to which the detector has judged, while it is behind. */
   judged: number | null;
+  /** The time that a step of a lesson has yet to run, and the words to write there. */
+  pending: {until: number; words: string} | null;
   /** Observers whose bands are drawn. */
   bands: Set<string>;
 }

@@ -5,7 +5,6 @@ import {fill, h, query} from '../../common/dom.js';
 import {drawCard} from './card.js';
 import {mountCopyPicture} from './copy-picture.js';
 import {drawFoot} from './foot.js';
-import {mountFuture} from './future.js';
 import {mountKeys} from './keys.js';
 import {keepPlace, markDone, places} from './progress.js';
 import {playStep} from './play-step.js';
@@ -81,7 +80,6 @@ export class Lesson {
     centre.append(query('#panel-diagnosis'));
     main.after(this.foot);
     mountCopyPicture(this.picture, app);
-    this.future = mountFuture(query('#scope .plots'), this);
     mountKeys(this);
     app.subscribe(
       (state) => [state.plant, state.columns],
@@ -100,14 +98,23 @@ export class Lesson {
   /** @param {Partial<View>} change */
   set(change) {
     Object.assign(this.view, change);
+    const {lesson} = this.app.state;
+    const until = this.end();
+    if (lesson && lesson.until !== until) this.app.store.dispatch({type: 'set', lesson: {...lesson, until}});
     this.draw();
+  }
+
+  /** Time of the session until which the step will run; null where it runs, has run, or has nothing to run. */
+  end() {
+    const {phase, mark} = this.view;
+    const waiting = phase === 'opening' || phase === 'before';
+    return waiting && this.step.run ? mark + this.step.run.seconds : null;
   }
 
   draw() {
     drawCard(this.card, this);
     drawFoot(this.foot, this);
     const {frozen} = this.view;
-    this.future();
     this.cause.hidden = frozen === null;
     if (frozen !== null)
       fill(
@@ -136,6 +143,7 @@ export class Lesson {
         truth: show?.truth ?? true,
         diagnosis: show?.diagnosis ?? false,
         line: step.dial?.strip ? {strip: step.dial.strip, at: step.dial.value} : (show?.line ?? null),
+        until: null,
       },
       looking: null,
     });
@@ -155,6 +163,7 @@ export class Lesson {
     if (first && (await this.opening.again()) && (await this.found(turn))) return;
     if (turn !== this.turns) return;
     if (step.start || first) await this.begin(place);
+    else this.view.mark = this.app.samples.now;
     if (turn !== this.turns) return;
     this.set({phase: 'before'});
     this.chooseStrips();

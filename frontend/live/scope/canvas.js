@@ -2,7 +2,7 @@
 // 30 to 60 times a second.
 
 import {marks} from './axes.js';
-import {hatch} from './hatch.js';
+import {hatch, hatchPending} from './hatch.js';
 import {bandPath, DASHED_PIECE, PIECE, strokeTrace, WHOLE} from './traces.js';
 import {COLOURS, DASH_DOT} from '../../widgets/line-style.js';
 
@@ -31,6 +31,7 @@ export function palette() {
     ok: read('--ok'),
     observers: Array.from({length: COLOURS}, (_, place) => read(`--o${place}`)),
     number: `${10.5 * size}px ${read('--num')}`,
+    words: `${13 * size}px ${read('--ui')}`,
     size,
   };
 }
@@ -72,6 +73,7 @@ export function drawStrip(ctx, strip, place, view, range, colours) {
       },
       colours.soft,
     );
+  hatchPending(ctx, place, view, scale, colours);
   ctx.restore();
   ctx.strokeStyle = colours.line;
   ctx.lineWidth = 1;

@@ -13,7 +13,7 @@ import {leaving, setTicks, wanted} from './axis-view.js';
 import {drawTimeAxis} from './time-axis.js';
 import {stripsOf} from '../state/strips.js';
 import {say, t} from '../../i18n/words.js';
-import {visible} from '../state/visible.js';
+import {pending, visible} from '../state/visible.js';
 
 /** @import {App, Place, Row, Strip} from '../types.js' */
 
@@ -241,6 +241,7 @@ export class Scope {
       ...visible(state),
       judged: (state.lesson?.diagnosis ?? true) ? (state.facts?.judged ?? null) : null,
       bands: this.bands(),
+      pending: pending(state),
     };
     for (const row of this.rows.values()) {
       if (row.place.height > 0) drawStrip(row.ctx, row.strip, row.place, view, row.range, this.colours);

@@ -1,4 +1,6 @@
-// What of the truth and the diagnosis is visible: in a lesson both can be hidden.
+// What a lesson shows: truth and diagnosis can be hidden, and the time that a step has yet to run is hatched.
+
+import {t} from '../../i18n/words.js';
 
 /** @import {State} from '../types.js' */
 
@@ -11,3 +13,10 @@ export const visible = ({faults, alarms, lesson}) => ({
   faults: lesson && !lesson.truth ? [] : faults,
   alarms: lesson && !lesson.diagnosis ? [] : alarms,
 });
+
+/**
+ * The time until which a step has yet to run, and the words to write there.
+ * @param {Pick<State, 'lesson'>} state
+ */
+export const pending = ({lesson}) =>
+  typeof lesson?.until === 'number' ? {until: lesson.until, words: t('page.lesson.your-turn')} : null;
