@@ -73,7 +73,7 @@ class LinearSystem:
 
         Raises ImportError where python-control is not installed (``pip install thetascope[control]``).
         """
-        import control
+        import control  # pyright: ignore[reportMissingImports]
 
         # Points in names select signals of subsystems in python-control.
         names = [[name.replace(".", "_") for name in group] for group in (self.states, self.inputs, self.outputs)]
@@ -127,7 +127,7 @@ def linearise(
     found = jacobians_at(program, program.states, entering, given | {"t": t})
     point = {_bare(name): given[name] for name in (*program.states, *entering)}
     period = full.time.period if full.time.kind == DISCRETE else None
-    return _system(full.id, found, program.states, entering, program.outputs, period, point)
+    return _system(full.id, found, program.states, entering, tuple(program.outputs), period, point)
 
 
 def linearise_observer(
@@ -157,7 +157,7 @@ def linearise_observer(
     program, shape = estimator.program, shape_of(estimator.program)
     values = _seen(engine, rows, place)
     estimates = (*shape.x, *shape.theta)
-    if not np.isfinite([values[name] for name in estimates]).all():
+    if not np.isfinite(np.array([values[name] for name in estimates], dtype=float)).all():
         raise ValueError(f"the estimates of {observer} are not finite at {rows.index[-1] * engine.step:g} s")
     entering = [n for n in program.inputs if _unheld(n).startswith(("u.", "signal.", "y."))]
     bare = tuple(dict.fromkeys(_unheld(name) for name in entering))

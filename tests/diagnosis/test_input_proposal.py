@@ -61,7 +61,7 @@ def test_a_moving_voltage_is_proposed_for_a_motor_at_constant_speed():
     assert found.input == "voltage"
     assert found.before < 1
     assert found.level > 50
-    assert TypeAdapter(Signal).validate_python(found.signal).model_dump(mode="json") == found.signal
+    assert TypeAdapter(Signal).validate_python(found.signal).model_dump(mode="json", exclude_none=True) == found.signal
     InputProposal.model_validate(vars(found))
     moving = healthy("dc-motor", inputs={"voltage": found.signal})
     after = excited(moving, 2.0, PAIR)

@@ -112,8 +112,8 @@ def test_all_strips_of_the_tanks_are_visible_on_a_small_screen(tab):
         "one.querySelector('canvas').getBoundingClientRect(); return [top, bottom]; })"
     )
     assert len(boxes) == 11 and all(after[0] - before[1] >= 3 for before, after in pairwise(boxes))
-    assert opened.evaluate(
-        "document.querySelector('.strips').scrollHeight <= document.querySelector('.strips').clientHeight + 1"
+    until(
+        opened, "document.querySelector('.strips').scrollHeight <= document.querySelector('.strips').clientHeight + 1"
     )
     labels = opened.evaluate(
         "[...document.querySelectorAll('.strip')].map((one) => "
