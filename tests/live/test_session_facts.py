@@ -267,3 +267,15 @@ def test_rows_wait_for_a_diagnosis_that_cannot_follow():
         assert stage.room.shown >= stopped + 190 and page.of("facts")[-1]["facts"]["judged"] is None
 
     staged(scenario, horizon=100.0)
+
+
+def test_rows_before_a_paused_opening_are_judged():
+    """A session that is opened paused in the middle has rows that nobody has tested: the first viewer lets them be."""
+
+    async def scenario(stage: Stage) -> None:
+        stage.session.advance(120)
+        assert stage.session.pending_detection() is not None
+        await stage.connect()
+        assert stage.session.pending_detection() is None
+
+    staged(scenario, horizon=100.0)

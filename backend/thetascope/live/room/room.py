@@ -127,6 +127,8 @@ class Room:
         self.empty_since = None
         self.send_status()
         self.checks.check(0.0)
+        if self.session.pending_detection() is not None:  # the last rows before an opening in the middle, paused
+            self.request_detection()
 
     def _hello(self, viewer: Viewer) -> Hello:
         return Hello(
