@@ -13,12 +13,13 @@
 /** A refusal by the server (RFC 9457). */
 export class Problem extends Error {
   /** @param {Partial<service.Problem>} problem */
-  constructor({title = '', detail = '', status = 0, code = '', errors = []}) {
+  constructor({title = '', detail = '', status = 0, code = '', args = {}, errors = []}) {
     super(detail || title);
     this.title = title;
     this.detail = detail;
     this.status = status;
     this.code = code;
+    this.args = args;
     this.errors = errors;
   }
 }

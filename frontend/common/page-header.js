@@ -1,6 +1,6 @@
-// The header: name, connection, interface, theme.
+// The header of the pages, and what it shares with that of the live page: names of pages, of languages, keys.
 
-import {fill, h, query} from './dom.js';
+import {fill, h} from './dom.js';
 import {rememberLanguage} from '../i18n/language.js';
 import {language, speak, t} from '../i18n/words.js';
 
@@ -21,6 +21,13 @@ const PAGES = [
 export const pageLinks = (here) =>
   PAGES.map(([name, href]) => h('a', {href, 'aria-current': name === here ? 'page' : null}, t(`page.nav.${name}`)));
 
+/** The languages by their own names, the present one in ink. */
+export const languageNames = () => {
+  /** @param {string} one @param {string} name */
+  const name = (one, name) => h('span', {class: language() === one ? 'now' : null, lang: one}, name);
+  return [name('en', 'EN'), ' · ', name('zh', '中文')];
+};
+
 /**
  * The header of a page; `here` is its name among the pages. `again` rebuilds the rest of the page in another language;
  * without it the page is reloaded, where nothing is lost by that.
@@ -31,6 +38,7 @@ export const pageLinks = (here) =>
  */
 export function mountTop(root, connection, here = 'runs', again = null) {
   const state = h('span', {class: 'connection', role: 'status'});
+  const languages = h('button', {class: 'quiet languages', type: 'button', onclick: () => turn()});
   const theme = h('button', {class: 'quiet', type: 'button', onclick: () => window.theme.toggle()});
   const showConnection = () => {
     state.classList.toggle('lost', connection.lost);
@@ -40,8 +48,42 @@ export function mountTop(root, connection, here = 'runs', again = null) {
       connection.lost ? t('page.header.connection-lost') : t('page.header.connected'),
     );
   };
-  const showTheme = () => {
-    const icon = h(
+  /** @param {HTMLElement} button @param {string} words */
+  const hint = (button, words) => {
+    button.title = words;
+    button.setAttribute('aria-label', words);
+  };
+  const label = () => {
+    hint(languages, t('page.header.language.hint'));
+    hint(theme, t('page.header.look.hint'));
+    fill(languages, languageNames());
+  };
+  const turn = async () => {
+    const other = language() === 'zh' ? 'en' : 'zh';
+    rememberLanguage(other);
+    if (!again) return location.reload();
+    await speak(other);
+    build();
+    languages.focus();
+    return again();
+  };
+  const build = () => {
+    showConnection();
+    label();
+    fill(
+      root,
+      h('a', {class: 'logo', href: '/'}, h('i', {class: 'hat'}, 'θ'), h('span', {}, 'Thetascope')),
+      h('nav', {class: 'pages', 'aria-label': t('page.nav.label')}, pageLinks(here)),
+      h('span', {class: 'grow'}),
+      state,
+      h('a', {class: 'quiet', href: '/docs', title: t('page.header.interface.hint')}, t('page.header.interface')),
+      languages,
+      theme,
+    );
+  };
+  fill(
+    theme,
+    h(
       'svg',
       {
         viewBox: '0 0 16 16',
@@ -54,43 +96,15 @@ export function mountTop(root, connection, here = 'runs', again = null) {
       },
       h('circle', {cx: 8, cy: 8, r: 5.5}),
       h('path', {d: ICON, fill: 'currentColor'}),
-    );
-    theme.title = t('page.header.theme.hint');
-    fill(
-      theme,
-      icon,
-      h('span', {}, window.theme.now === 'dark' ? t('page.header.to-light') : t('page.header.to-dark')),
-    );
-  };
-  /** @param {'en' | 'zh'} other */
-  const turn = async (other) => {
-    rememberLanguage(other);
-    if (!again) return location.reload();
-    await speak(other);
-    build();
-    query('[lang]', root).focus();
-    return again();
-  };
-  const build = () => {
-    const other = language() === 'zh' ? 'en' : 'zh';
-    showConnection();
-    showTheme();
-    fill(
-      root,
-      h('a', {class: 'logo', href: '/'}, h('i', {class: 'hat'}, 'θ'), h('span', {}, 'Thetascope')),
-      h('nav', {class: 'pages', 'aria-label': t('page.nav.label')}, pageLinks(here)),
-      h('span', {class: 'grow'}),
-      state,
-      h(
-        'button',
-        {class: 'quiet', type: 'button', lang: other, onclick: () => turn(other)},
-        t('page.header.language.other'),
-      ),
-      h('a', {class: 'quiet', href: '/docs', title: t('page.header.interface.hint')}, t('page.header.interface')),
-      theme,
-    );
-  };
+    ),
+  );
   connection.addEventListener('change', showConnection);
-  addEventListener('theme', showTheme);
+  addEventListener('keydown', (event) => {
+    const typing =
+      event.target instanceof Element && event.target.closest('input, select, textarea, [contenteditable]');
+    if (typing || event.ctrlKey || event.metaKey || event.altKey || document.querySelector('dialog[open]')) return;
+    if (event.key === 'l') turn();
+    if (event.key === 't') window.theme.toggle();
+  });
   build();
 }

@@ -59,7 +59,7 @@ def test_axe_finds_nothing_serious_in_the_notebook(page, ids, width, theme, lang
     """With a chosen run, and on a phone, where the card chooses; nothing is wider than the window."""
     opened = listed(page, ids[1], width=width, height=844, theme=theme)
     if language == "zh":
-        opened.click(".top button[lang=zh]")
+        opened.click(".top .languages")
         until(opened, "document.documentElement.lang === 'zh-CN' && document.querySelector('[data-run] input:enabled')")
     row = opened.locator(f"[data-run='{ids[1]}']")
     (row.locator(".c-changes") if width < 720 else row.locator("input")).click()

@@ -57,7 +57,7 @@ def test_a_fault_is_found_in_three_steps_and_the_address_reopens_them(page, tmp_
     assert opened.locator(".band.fault").count() == 1 and opened.locator(".threshold").count() == 1
     again = page(opened.evaluate("location.pathname + location.search + location.hash"))
     assert again.wait_for_selector(".step-3 .verdict").inner_text() == opened.inner_text(".verdict")
-    opened.click(".top button[lang=zh]")
+    opened.click(".top .languages")
     until(opened, "document.querySelector('.faults thead').textContent.includes('故障')")
     assert opened.watch.errors == again.watch.errors == [] and opened.watch.foreign == []
 

@@ -1,7 +1,7 @@
 // The header: name, pages, connection, share, export, language, projector, theme.
 
 import {fill, h, query} from '../../../common/dom.js';
-import {pageLinks} from '../../../common/page-header.js';
+import {languageNames, pageLinks} from '../../../common/page-header.js';
 import {times} from '../../../widgets/number-format.js';
 import {open} from '../dialogs/open-dialog.js';
 import {icon} from '../../../widgets/svg.js';
@@ -103,13 +103,7 @@ export function mount(element, app) {
     showPresent();
     named(theme, t('page.header.look'), t('page.header.look.hint'));
     named(help, t('page.header.help'), t('page.header.help.hint'));
-    const chinese = app.state.language === 'zh';
-    fill(
-      language,
-      h('span', {class: chinese ? null : 'now', lang: 'en'}, 'EN'),
-      ' · ',
-      h('span', {class: chinese ? 'now' : null, lang: 'zh'}, '中文'),
-    );
+    fill(language, languageNames());
     language.setAttribute('aria-label', t('page.header.language.hint'));
     language.title = t('page.header.language.hint');
     connect();
