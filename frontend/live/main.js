@@ -360,7 +360,7 @@ async function open() {
 async function teach(id) {
   const {startLesson} = await import('./lesson/lesson.js');
   const own = history.state?.session;
-  await startLesson(id, app, {link, again: async () => Boolean(own) && rejoin(own, turn())});
+  await startLesson(id, app, {link, again: async (of) => Boolean(of ?? own) && rejoin(of ?? own, turn())});
 }
 
 // ---- the page

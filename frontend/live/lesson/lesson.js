@@ -26,10 +26,10 @@ import {named, t} from '../../i18n/words.js';
  * @property {string} problem
  */
 
-/** @typedef {{link: SessionLink, again: () => Promise<boolean>}} Opening */
+/** @typedef {{link: SessionLink, again: (of: string | null) => Promise<boolean>}} Opening */
 
 /**
- * Show a lesson. `again` joins the session that the page had before it was loaded again, if it is still there.
+ * Show a lesson. `again` joins a session, or the one that the page had before it was loaded again, if it is still there.
  * @param {string} id
  * @param {App} app
  * @param {Opening} opening
@@ -160,7 +160,11 @@ export class Lesson {
       frozen: null,
       problem: '',
     });
-    if (first && (await this.opening.again()) && (await this.found(turn))) return;
+    if (first) {
+      const kept = remembered(); // the history entry may name the session before it: it is written a little later
+      const of = kept?.lesson === plan.id && kept.place === place ? kept.session : null;
+      if ((await this.opening.again(of)) && (await this.found(turn))) return;
+    } else remember(null);
     if (turn !== this.turns) return;
     if (step.start || first) await this.begin(place);
     else this.view.mark = this.app.samples.now;
@@ -175,8 +179,10 @@ export class Lesson {
    * @param {number} turn
    */
   async found(turn) {
-    const kept = remembered(this.app.state.session ?? '');
-    if (!kept || kept.place !== this.view.place || turn !== this.turns) return false;
+    const {place, plan} = this.view;
+    const kept = remembered();
+    const known = kept?.session === this.app.state.session && kept?.lesson === plan.id && kept.place === place;
+    if (!kept || !known || turn !== this.turns) return false;
     this.set({phase: 'before', chosen: kept.chosen, dial: kept.dial, mark: kept.mark});
     if (kept.dial !== null) this.turn(kept.dial);
     this.chooseStrips();
@@ -232,7 +238,9 @@ export class Lesson {
       const frozen = await playStep(this, () => turn === this.turns);
       if (turn !== this.turns) return;
       this.view.frozen = frozen;
-      remember(app.state.session ?? '', {
+      remember({
+        session: app.state.session ?? '',
+        lesson: view.plan.id,
         place: view.place,
         chosen: view.chosen,
         dial: view.dial,
@@ -304,22 +312,31 @@ export class Lesson {
 
 const ANSWERS = 'thetascope.lesson';
 
-/** @typedef {{place: number, chosen: number | null, dial: number | null, mark: number, ran: boolean}} Remembered */
+/**
+ * What was answered in which session.
+ * @typedef {object} Remembered
+ * @property {string} session
+ * @property {string} lesson
+ * @property {number} place
+ * @property {number | null} chosen
+ * @property {number | null} dial
+ * @property {number} mark
+ * @property {boolean} ran
+ */
 
-/** @param {string} session @param {Remembered} value */
-function remember(session, value) {
+/** @param {Remembered | null} value */
+function remember(value) {
   try {
-    sessionStorage.setItem(ANSWERS, JSON.stringify({session, ...value}));
+    sessionStorage.setItem(ANSWERS, JSON.stringify(value));
   } catch {
     /* private windows keep nothing */
   }
 }
 
-/** @param {string} session @returns {Remembered | null} */
-function remembered(session) {
+/** @returns {Remembered | null} */
+function remembered() {
   try {
-    const kept = JSON.parse(sessionStorage.getItem(ANSWERS) ?? 'null');
-    return kept?.session === session ? kept : null;
+    return JSON.parse(sessionStorage.getItem(ANSWERS) ?? 'null');
   } catch {
     return null;
   }
