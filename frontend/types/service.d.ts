@@ -3815,6 +3815,7 @@ export interface StepRun {
 /** The session with which a step begins: a new one of an experiment of the lesson, paused at a time. */
 export interface StepStart {
   experiment: string;
+  /** Time in s at which it is paused. */
   t: number;
 }
 

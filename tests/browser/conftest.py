@@ -225,6 +225,7 @@ RENEW = """async ([path, theme]) => {
   document.querySelector('#panel-truth.open .heading .link')?.click();
   sessionStorage.clear();
   localStorage.clear();
+  localStorage.setItem('thetascope.hints', 'off');
   act.theme(theme);
   const {session} = store.state;
   store.dispatch({type: 'set', notice: null, desk: 'inject'});
@@ -276,7 +277,7 @@ def tab(module_tab) -> Iterator[Tab]:
     yield module_tab
     if module_tab.page:
         module_tab.page.evaluate(PAUSE)
-        module_tab.page.evaluate("localStorage.clear()")
+        module_tab.page.evaluate(f"localStorage.clear(); {KNOWN}")
 
 
 @pytest.fixture

@@ -24,7 +24,7 @@ class StepStart(Strict):
     model_config = example(experiment="alone", t=60.0)
 
     experiment: Identifier
-    t: Instant = 0
+    t: Instant = Field(default=0, description="Time in s at which it is paused.")
 
 
 class LevelLine(Strict):
