@@ -1551,6 +1551,7 @@ export interface Level {
 export interface LevelLine {
   /** A column of the session, say y.y1. */
   strip: string;
+  /** Its distance from zero, in the unit of the strip. */
   at: number;
 }
 

@@ -33,7 +33,7 @@ class LevelLine(Strict):
     model_config = example(strip="residual.y", at=0.075)
 
     strip: ColumnName
-    at: Positive
+    at: Positive = Field(description="Its distance from zero, in the unit of the strip.")
 
 
 class StepView(Strict):
