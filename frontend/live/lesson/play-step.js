@@ -1,4 +1,4 @@
-// Let the time of a step pass: what the student chose, then so many seconds, so fast that it takes a few seconds here.
+// Let the time of a step pass: what the student chose, then its seconds, so fast that it takes a few seconds here.
 
 /** @import {BatchCommand} from '../types.js' */
 /** @import {Lesson} from './lesson.js' */

@@ -31,7 +31,7 @@ PAUSE = 0.002
 SLICE, REST = 0.0005, 0.001
 """Seconds of one slice of testing for faults, and between two slices; only while no room waits to compute ahead."""
 PATIENCE, SHORT_REST = 0.25, 0.0001
-"""When rooms have waited for these tests for so many seconds, slices follow each other after a shorter time."""
+"""When rooms have waited this long (s) for these tests, slices follow each other after a shorter time."""
 TURNS = 2
 """Turns of the event loop before a room computes ahead: as many as from a socket's data to the command's execution."""
 
