@@ -94,7 +94,7 @@ export function createActions(store, editor) {
       if (content !== text) editor().setText(content, true);
       keep(source, source.text);
       store.set({
-        text: content,
+        ...(content === text ? {} : {text: content}), // what was typed in the meantime stays
         source: {kind: 'mine', id: saved.id, version: saved.version, saved: saved.saved, text: content},
         kept: null,
       });

@@ -61,7 +61,7 @@ def test_a_saved_plant_is_found_again_and_its_deletion_undone(shop):
     paste(shop, mine)
     until(shop, READY)
     shop.keyboard.press("Control+s")
-    until(shop, "document.querySelector('.shop-bar .sub').textContent.includes('version 1')")
+    until(shop, "document.querySelector('.mine .on b')?.textContent === 'Mine'")
     paste(shop, mine + "# changed\n")
     shop.click("#save-plant")
     until(shop, "document.querySelector('.mine .on .sub')?.textContent.includes('version 2')")
