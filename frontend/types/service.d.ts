@@ -665,7 +665,9 @@ export interface Dial {
   gain: string | null;
   /** The strip on which the level is drawn. */
   strip: string | null;
+  /** The least value. */
   low: number;
+  /** The greatest value. */
   high: number;
   /** The value at the beginning, which does not meet the step's conditions. */
   value: number;
@@ -3808,6 +3810,7 @@ export interface StepFound {
 /** What the button of a step does: commands, then time. */
 export interface StepRun {
   text: Words | null;
+  /** Time of the session in s that passes. */
   seconds: number;
   /** Commands of a live session, without ids. */
   do: ({[name: string]: unknown})[];

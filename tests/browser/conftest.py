@@ -277,7 +277,7 @@ def tab(module_tab) -> Iterator[Tab]:
     yield module_tab
     if module_tab.page:
         module_tab.page.evaluate(PAUSE)
-        module_tab.page.evaluate(f"localStorage.clear(); {KNOWN}")
+        module_tab.page.evaluate("localStorage.clear()")
 
 
 @pytest.fixture

@@ -296,4 +296,5 @@ def test_a_figure_for_a_paper_is_previewed_and_downloaded(kept_page):
         page.click(".paper-dialog footer .run")
     assert 'width="496.06' in download.value.path().read_text()
     page.keyboard.press("Escape")
-    assert page.locator(".paper-dialog").count() == 0 and page.watch.errors == []
+    until(page, "document.querySelector('.paper-dialog') === null")
+    assert page.watch.errors == []

@@ -90,8 +90,8 @@ class Dial(Strict):
     observer: Reference | None = Field(default=None, description="The observer whose gain it is; null: a level.")
     gain: Reference | None = None
     strip: ColumnName | None = Field(default=None, description="The strip on which the level is drawn.")
-    low: Positive
-    high: Positive
+    low: Positive = Field(description="The least value.")
+    high: Positive = Field(description="The greatest value.")
     value: Positive = Field(description="The value at the beginning, which does not meet the step's conditions.")
     solution: Positive = Field(description="A value that meets them.")
     unit: str = Field(default="", max_length=20)
@@ -109,7 +109,7 @@ class StepRun(Strict):
     model_config = example(text={"en": "Run it and see", "zh": "运行看看"}, seconds=60.0)
 
     text: Words | None = None
-    seconds: Positive
+    seconds: Positive = Field(description="Time of the session in s that passes.")
     do: Commands = ()
 
 
