@@ -354,7 +354,7 @@ export interface ComparisonRow {
   cost: number | null;
 }
 
-/** A condition on one measured number: at least, at most, or that there is none. */
+/** A condition on one measured number: at least, at most, or that it does not exist. */
 export interface Condition {
   measure: string;
   at_least: number | null;
@@ -1019,7 +1019,7 @@ export interface Facts {
   fault_outcomes: (FaultOutcome)[];
   /** Ids of the active faults that no present alarm names, one for each site. */
   undetected: (string)[];
-  /** Time in s up to which the detector has judged the rows, while it is a decision or more behind; null: it has judged all of them, or there is none. */
+  /** Time in s up to which the detector has judged the rows, while it is a decision or more behind; null: it has judged all of them, or there is no detector. */
   judged: number | null;
   /** The diagnosis in one sentence. */
   summary: Text;
@@ -1276,7 +1276,7 @@ export interface FormField {
   choices: (string)[] | null;
 }
 
-/** The time in s from `since` to the first alarm of the detector that names a channel; none where there is none. */
+/** The time in s from `since` to the first alarm of the detector that names a channel; none without one. */
 export interface Found {
   kind: 'found';
   /** None: any channel. */
@@ -1479,7 +1479,7 @@ export interface JudgeRequest {
 
 /** What the session shows: measured numbers, and which answers they make right. */
 export interface Judged {
-  /** The measured numbers by name; null: there is none. */
+  /** The measured numbers by name; null: nothing was measured. */
   values: {[name: string]: number | null};
   /** Whether each answer is right. */
   right: (boolean)[];

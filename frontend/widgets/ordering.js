@@ -38,7 +38,7 @@ export function ascending(values) {
 
 /**
  * The heading of a column by which rows are sorted: pressed again, they have the order in which they were added.
- * @param {{words: Child, name: string, sorted: boolean, act: () => void}} column   `name`: its words for a screen reader
+ * @param {{words: Child, name: string, sorted: boolean, act: () => void}} column   `name`: for screen readers
  */
 export const sortButton = ({words, name, sorted, act}) =>
   h(

@@ -122,7 +122,7 @@ class NotebookStore:
             return connection.execute(select(RUN_NOTES.c.run).where(mine)).one_or_none() is not None
 
     def restore(self, id: str) -> bool:
-        """Bring back a run that was removed; return False if there is none."""
+        """Bring back a run that was removed; return False if it is unknown."""
         with self._database.writing() as connection:
             return mark_removed(connection, id, None)
 

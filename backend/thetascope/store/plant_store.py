@@ -75,7 +75,7 @@ class PlantStore:
         return stored
 
     def get(self, owner: str | None, id: str, version: int | None = None) -> PlantVersion | None:
-        """Return a version of an owner, or of anybody, by default the latest; None if there is none. Raises Damaged."""
+        """Return a version of an owner, or of anybody, by default the latest; None: unknown. Raises Damaged."""
         query = select(PLANTS).where((PLANTS.c.id == id) & PLANTS.c.removed.is_(None))
         if owner is not None:
             query = query.where(PLANTS.c.owner == owner)

@@ -170,7 +170,8 @@ function picture(app) {
     s('path', {
       d: listens
         ? `M${middle} ${y - 16}V${UPPER + 38}H${COPY - 4}`
-        : `M${middle} ${y - 16}V${UPPER + 70}M${middle} ${UPPER + 62}L${middle - 12} ${UPPER + 44}M${middle} ${UPPER + 44}V${UPPER + 38}H${COPY - 4}`,
+        : `M${middle} ${y - 16}V${UPPER + 70}M${middle} ${UPPER + 62}L${middle - 12} ${UPPER + 44}` +
+          `M${middle} ${UPPER + 44}V${UPPER + 38}H${COPY - 4}`,
       class: 'copy-wire',
       stroke: listens ? colour : 'var(--soft)',
       'stroke-width': listens ? 2.4 : 1.3,

@@ -29,7 +29,7 @@ import {named, t} from '../../i18n/words.js';
 /** @typedef {{link: SessionLink, again: (of: string | null) => Promise<boolean>}} Opening */
 
 /**
- * Show a lesson. `again` joins a session, or the one that the page had before it was loaded again, if it is still there.
+ * Show a lesson. `again` joins a session, or the one that the page had before it was loaded again, if it still exists.
  * @param {string} id
  * @param {App} app
  * @param {Opening} opening

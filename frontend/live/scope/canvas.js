@@ -202,7 +202,8 @@ function drawTraces(ctx, strip, {left, width, height}, view, range, colours, fai
       strip.log && strip.traces.length === 1 ? colours.ok : colours.observers[strip.traces[i].place % COLOURS];
     const {column, dashed} = strip.traces[i];
     if (dashed) ctx.setLineDash(DASH_DOT.map((length) => length * colours.size));
-    draw(column, faint ? WHOLE : dashed ? DASHED_PIECE : PIECE); // where pieces of a faint curve meet it would be less so
+    // Where pieces of a faint curve meet it would be less faint.
+    draw(column, faint ? WHOLE : dashed ? DASHED_PIECE : PIECE);
     if (dashed) ctx.setLineDash([]);
   }
   if (strip.reading) {

@@ -1,4 +1,5 @@
-// Diagonal lines where there is nothing to see yet: rows that the detector has not judged, time that a step has yet to run.
+// Diagonal lines where there is nothing to see yet: rows that the detector has not judged, time that a step has yet to
+// run.
 
 const PITCH = 5; // px between two lines
 

@@ -22,8 +22,8 @@ const DRAGGED = 5; // s between two values of one slider that are shown as one
 
 /**
  * Lines for the log, newest first by the time at which each event happened: an alarm, for example, is reported later
- * than it was raised. A gain, a noise level or an input that was dragged is one line. `signs`: the symbols of the observers'
- * gains.
+ * than it was raised. A gain, a noise level or an input that was dragged is one line. `signs`: the symbols of the
+ * observers' gains.
  * @param {Event[]} log
  * @param {Plant | null} plant
  * @param {Signs} [signs]

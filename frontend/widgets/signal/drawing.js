@@ -40,7 +40,9 @@ export const tableOf = (values, start, length) => ({
 
 /**
  * A place to draw on. `done` is called at the end of a gesture, and when Enter is pressed.
- * @param {{name: string, unit: string, room: () => Room, length: () => number, level: number, done: () => void}} options
+ * @param {{
+ *   name: string, unit: string, room: () => Room, length: () => number, level: number, done: () => void,
+ * }} options
  */
 export function drawing({name, unit, room, length, level, done}) {
   const canvas = h('canvas', {

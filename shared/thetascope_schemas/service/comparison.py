@@ -189,8 +189,8 @@ class ObserverInWindow(Strict):
     )
     converging: bool | None = Field(
         default=None,
-        description="Whether since the last change θ̂ still moves, or y − ŷ is larger, than noise explains, so that the "
-        "bias of θ̂ may exceed its band; null: unknown, or without a band.",
+        description="Whether since the last change θ̂ still moves, or y − ŷ is larger, than noise explains, so that "
+        "the bias of θ̂ may exceed its band; null: unknown, or without a band.",
     )
 
 

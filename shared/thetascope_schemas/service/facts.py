@@ -110,6 +110,6 @@ class Facts(Strict):
     judged: Number | None = Field(
         default=None,
         description="Time in s up to which the detector has judged the rows, while it is a decision or more behind; "
-        "null: it has judged all of them, or there is none.",
+        "null: it has judged all of them, or there is no detector.",
     )
     summary: Text = Field(description="The diagnosis in one sentence.")

@@ -71,7 +71,7 @@ def earliest(step: CourseStep) -> float:
 
 
 def measured(step: CourseStep, readings: Readings) -> dict[str, float | None]:
-    """Return the number of every measure of a step, None where there is none."""
+    """Return the number of every measure of a step; None: nothing was measured."""
     return {name: _value(measure, readings) for name, measure in step.measures.items()}
 
 

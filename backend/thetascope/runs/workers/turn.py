@@ -59,7 +59,7 @@ class Turn:
 
 
 def why_gone(gone: Gone, computation: Computation, grown: int) -> Exception:
-    """Return why a worker ended during a computation, for which it had grown by so many bytes."""
+    """Return why a worker ended during a computation, for which it had grown by `grown` bytes."""
     if _XCPU is not None and gone.code == -_XCPU:
         return cpu_limit(computation.limits)
     if grown > _NEAR * computation.limits.memory:

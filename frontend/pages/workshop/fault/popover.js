@@ -1,5 +1,5 @@
-// A fault by pointing: patterns for one equation. The chosen one is written into the text immediately: its consequences are in
-// sight; cancelling takes it out again.
+// A fault by pointing: patterns for one equation. The chosen one is written into the text immediately: its consequences
+// are in sight; cancelling takes it out again.
 
 import {fill, h, number, symbol} from '../../../common/dom.js';
 import {mathml} from '../../../widgets/equations.js';

@@ -21,7 +21,7 @@ class Judged(Strict):
 
     model_config = example(values={"settled": 23.2}, right=[False, False, True, False], met=True, saw=0)
 
-    values: dict[str, Number | None] = Field(description="The measured numbers by name; null: there is none.")
+    values: dict[str, Number | None] = Field(description="The measured numbers by name; null: nothing was measured.")
     right: tuple[bool, ...] = Field(description="Whether each answer is right.")
     met: bool = Field(description="Whether the conditions of the step itself hold.")
     saw: int | None = Field(description="Place of the first sentence whose conditions hold; null: none does.")

@@ -66,7 +66,7 @@ class Counts(Strict):
 
 
 class Found(Strict):
-    """The time in s from `since` to the first alarm of the detector that names a channel; none where there is none."""
+    """The time in s from `since` to the first alarm of the detector that names a channel; none without one."""
 
     model_config = example(kind="found", channel="leak", since=10.0)
     kind: Literal["found"] = "found"
@@ -95,7 +95,7 @@ Measure = Annotated[Settles | Level | Crosses | Counts | Found | Diverged | Gain
 
 
 class Condition(Strict):
-    """A condition on one measured number: at least, at most, or that there is none."""
+    """A condition on one measured number: at least, at most, or that it does not exist."""
 
     model_config = example(measure="settled", at_most=30.0)
 
@@ -111,7 +111,7 @@ class Condition(Strict):
         return self
 
     def holds(self, value: float | None) -> bool:
-        """Return whether a measured number, None where there is none, meets the condition."""
+        """Return whether a measured number meets the condition; None: nothing was measured."""
         if value is None or self.none:
             return value is None and self.none
         return (self.at_least is None or value >= self.at_least) and (self.at_most is None or value <= self.at_most)
