@@ -177,6 +177,9 @@ export interface State {
     truth: boolean;
     diagnosis: boolean;
     line: {strip: string; at: number} | null;
+    sketch: Sketched | null;
+    /** Places in the plant's picture that can be pointed at. */
+    sites: string[];
     until: number | null;
   } | null;
 }
@@ -311,6 +314,17 @@ export interface Trace {
   high?: string;
 }
 
+/** A curve that a student draws on a strip: values at equal times; `at` is the one that the keys move. */
+export interface Sketched {
+  strip: string;
+  values: number[];
+  from: number;
+  until: number;
+  low: number;
+  high: number;
+  at: number | null;
+}
+
 /** One axis of the scope with its curves. */
 export interface Strip {
   /** theta.theta1, x.x1, r.r, u.q, signal.phi, residual.y, excitation */
@@ -336,6 +350,8 @@ export interface Strip {
   threshold: number | null;
   /** A level above zero and below, of a lesson. */
   line?: number | null;
+  /** What a student draws or has drawn. */
+  sketch?: Sketched | null;
   /** Relative height. */
   weight: number;
   /** Shown unless hidden by hand. */

@@ -142,6 +142,8 @@ export interface Alive {
 /** One of the answers to a step's question. It is right where its conditions hold in the student's session. */
 export interface Answer {
   text: Words;
+  /** A channel or an output: the answer is given by pointing at its place in the plant's picture. */
+  site: string | null;
   right_if: (Condition)[];
 }
 
@@ -535,7 +537,8 @@ export interface CourseStep {
   answers: (Answer)[];
   choices: (Choice)[];
   dial: Dial | null;
-  /** Of a step with choices or a dial. */
+  sketch: Sketch | null;
+  /** Of a step with choices, a dial or a sketch. */
   right_if: (Condition)[];
   run: StepRun | null;
   measures: {[name: string]: Settles | Level | Crosses | Counts | Found | Diverged | GainNow};
@@ -1475,6 +1478,8 @@ export interface JudgeRequest {
   mark?: number;
   /** The value of the step's dial; null: it has none. */
   dial?: number | null;
+  /** What was drawn; null: the step has no sketch. */
+  sketch?: (number)[] | null;
 }
 
 /** What the session shows: measured numbers, and which answers they make right. */
@@ -3649,6 +3654,20 @@ export interface SineSignalInput {
   phase?: number;
   /** Mean value, in the signal's unit. */
   offset?: number;
+}
+
+/** A curve that the student draws on a strip, from the beginning of the step to its end, before it runs. */
+export interface Sketch {
+  /** A column of the session, say y.y1. */
+  strip: string;
+  /** The least value that can be drawn, in the unit of the strip. */
+  low: number;
+  /** The greatest value that can be drawn. */
+  high: number;
+  /** The level line from which the drawing begins; it does not meet the step's conditions. */
+  value: number;
+  /** A curve that meets them. The student draws as many values. */
+  solution: (number)[];
 }
 
 /** The experiment with all changes up to now; sent after every command that changes it. */

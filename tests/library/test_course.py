@@ -38,8 +38,8 @@ class Seat:
     def column(self, name: str) -> np.ndarray:
         return np.concatenate([data[columns.index(name)] for columns, data in self.pieces])
 
-    def judged(self, step: CourseStep, commands: tuple, dial: float | None = None) -> Judged:
-        """Carry out what the student chose or set, run the step, and judge it."""
+    def judged(self, step: CourseStep, commands: tuple, dial=None, sketch=None) -> Judged:
+        """Carry out what the student chose, set or drew, run the step, and judge it."""
         mark = max(0, self.session.row - 1) * self.session.record
         commands = (*commands, *(step.run.do if step.run else ()))
         if commands:
@@ -49,31 +49,36 @@ class Seat:
         t = self.column("t") if "t" in self.session.columns else np.arange(self.session.row) * self.session.record
         readings = Readings(
             t=t,
-            column=self.column,
+            read=self.column,
             mark=mark,
             alarms=facts.alarms,
             diverged={e.subject: e.t for e in self.session.log if e.kind == "diverged" and e.subject},
             gains={one.label: dict(one.gains) for one in facts.observers},
             dial=dial,
+            sketch=sketch,
+            seconds=step.run.seconds if step.run else 0.0,
         )
         return judge(step, readings)
 
 
 @cache
 def played(lesson: str, place: int) -> tuple[Judged, ...]:
-    """Return the judgements of a step: one for each choice, or for two values of a dial, or one."""
+    """Return the judgements of a step: one for each choice, or for two values of a dial, or two sketches, or one."""
     step = library.course()[lesson].steps[place]
     return tuple(Seat(lesson, step).judged(step, *deed) for deed in deeds(step)) if step.run else ()
 
 
-def deeds(step: CourseStep) -> Iterator[tuple[tuple, float | None]]:
-    """Yield what students do: commands, and the value of a dial."""
+def deeds(step: CourseStep) -> Iterator[tuple]:
+    """Yield what students do: commands, the value of a dial, and a sketch."""
     if step.dial is not None:
         for value in (step.dial.value, step.dial.solution):
             gain = step.dial.observer and SetGainNow(
                 id=0, observer=step.dial.observer, gain=step.dial.gain, value=value
             )
             yield (gain,) if gain else (), value
+    elif step.sketch is not None:
+        yield (), None, (step.sketch.value,) * len(step.sketch.solution)
+        yield (), None, step.sketch.solution
     elif step.choices:
         yield from ((choice.do, None) for choice in step.choices)
     else:
@@ -90,7 +95,7 @@ def test_a_step_judges_what_its_session_shows(lesson: str, place: int):
         assert sum(found[0].right) == 1, found[0].values
     if step.right_if:
         assert {one.met for one in found} == {True, False}, [one.values for one in found]
-    if step.dial is not None:
+    if step.dial is not None or step.sketch is not None:
         assert [one.met for one in found] == [False, True]
     for one in found:
         assert not step.saw or one.saw is not None, one.values

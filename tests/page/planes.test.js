@@ -53,7 +53,10 @@ test('what nobody estimates is common to all observers', () => {
 });
 
 test('a lesson that hides the truth has no true curves', () => {
-  const secret = {...state, lesson: {id: 'l', place: 0, truth: false, diagnosis: true, line: null, until: null}};
+  const secret = {
+    ...state,
+    lesson: {id: 'l', place: 0, truth: false, diagnosis: true, line: null, sketch: null, sites: [], until: null},
+  };
   const [p, v] = quantitiesOf(secret);
   assert.deepEqual(
     curvesOf(p, v, secret).map(({label}) => label),

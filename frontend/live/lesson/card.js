@@ -37,10 +37,45 @@ function before(lesson) {
     ),
     step.short && h('p', {class: 'say short'}, prose(named(step.short))),
     step.ask && h('p', {class: 'ask', id: 'lesson-ask'}, withSymbols(named(step.ask))),
-    (step.answers?.length ?? 0) > 0 && options(lesson, step.answers ?? []),
+    (step.answers?.length ?? 0) > 0 && (points(step) ? pointing(lesson) : options(lesson, step.answers ?? [])),
     (step.choices?.length ?? 0) > 0 && options(lesson, step.choices ?? []),
     step.dial && dial(lesson, step.dial),
+    step.sketch && sketching(lesson),
   ];
+}
+
+/** Whether the answers are places in the picture. @param {service.CourseStep} step */
+const points = (step) => step.answers?.some(({site}) => site) ?? false;
+
+/** The place that was pointed at, or how to point. @param {Lesson} lesson */
+function pointing({step, view}) {
+  const answer = view.chosen === null ? undefined : step.answers?.[view.chosen];
+  return h(
+    'p',
+    {class: 'predict', role: 'status'},
+    answer ? t('page.lesson.pointed', {place: named(answer.text)}) : t('page.lesson.point'),
+  );
+}
+
+/** How to draw, and the way to the strip. @param {Lesson} lesson */
+function sketching(lesson) {
+  return h(
+    'div',
+    {class: 'predict'},
+    h('p', {}, lesson.view.sketch ? t('page.lesson.sketch.drawn') : t('page.lesson.sketch.how')),
+    h(
+      'button',
+      {
+        type: 'button',
+        class: 'quiet',
+        'data-keep': 'sketch',
+        disabled: lesson.view.phase !== 'before',
+        onclick: () => lesson.pad.element.focus(),
+      },
+      t('page.lesson.sketch.start'),
+    ),
+    h('p', {class: 'soft keys'}, h('kbd', {}, '← →'), ' ', h('kbd', {}, '↑ ↓'), ' ', t('page.lesson.sketch.keys')),
+  );
 }
 
 /**
@@ -62,8 +97,9 @@ const options = (lesson, all) =>
           'data-keep': `answer-${place}`,
           checked: lesson.view.chosen === place,
           disabled: lesson.view.phase === 'running',
-          onchange: () => lesson.set({chosen: place}),
+          onchange: () => lesson.choose(place),
         }),
+        h('span', {class: 'letter', 'aria-hidden': 'true'}, String.fromCharCode(65 + place)),
         h('span', {}, withSymbols(named(text))),
         h('kbd', {}, place + 1),
       ),
@@ -120,8 +156,14 @@ function buttons(lesson) {
       },
       running ? t('page.lesson.running') : step.run.text ? named(step.run.text) : t('page.lesson.run'),
     ),
-    !running && !lesson.ready() ? h('span', {class: 'soft'}, t('page.lesson.answer-first')) : h('kbd', {}, 'Enter'),
+    !running && !lesson.ready() ? h('span', {class: 'soft'}, first(step)) : h('kbd', {}, 'Enter'),
   ];
+}
+
+/** What has to be done before it runs. @param {service.CourseStep} step */
+function first(step) {
+  if (step.sketch) return t('page.lesson.sketch-first');
+  return points(step) ? t('page.lesson.point-first') : t('page.lesson.answer-first');
 }
 
 /** @param {Lesson} lesson @returns {Child[]} */
@@ -132,6 +174,7 @@ function after(lesson) {
   const right = lesson.right();
   const options = step.answers?.length ? step.answers : (step.choices ?? []);
   const said = view.chosen === null ? undefined : options[view.chosen];
+  const answer = view.chosen === null ? step.answers?.[judged?.right.indexOf(true) ?? -1] : undefined;
   const saw = typeof judged?.saw === 'number' ? step.saw?.[judged.saw] : undefined;
   return [
     h(
@@ -143,7 +186,9 @@ function after(lesson) {
         {},
         h('p', {class: 'verdict'}, verdict(step, right)),
         said && h('p', {}, t('page.lesson.said', {answer: named(said.text)})),
+        answer && h('p', {}, t('page.lesson.right-answer', {answer: named(answer.text)})),
         saw && h('p', {}, prose(named(saw.text), values)),
+        view.sketch && h('p', {class: 'soft'}, t('page.lesson.sketched')),
       ),
     ),
     h(

@@ -1,4 +1,4 @@
-// The foot of a lesson: back, the steps, truth, restart, everything in Live, next.
+// The foot of a lesson: back, the steps, truth, restart, everything in Live, next; on a projector the bar above it.
 
 import {fill, h} from '../../common/dom.js';
 import {places} from './progress.js';
@@ -36,5 +36,27 @@ export function drawFoot(foot, lesson) {
     button(t('page.lesson.restart'), () => lesson.again()),
     button(t('page.lesson.open-live'), () => lesson.leave()),
     button(phase === 'after' || !lesson.step.run ? t('page.lesson.next') : t('page.lesson.skip'), () => lesson.next()),
+  );
+}
+
+/**
+ * The bar of a lesson on a projector, in place of header and foot: the place, the keys, the time.
+ * @param {HTMLElement} bar
+ * @param {Lesson} lesson
+ */
+export function drawBar(bar, {view, step}) {
+  const {plan, place, phase} = view;
+  /** @param {string} name @param {string} words */
+  const key = (name, words) => h('span', {class: 'soft'}, h('kbd', {}, name), ' ', words);
+  const runs = step.run && phase !== 'after';
+  fill(
+    bar,
+    h('b', {}, named(plan.title)),
+    h('span', {class: 'soft'}, t('page.lesson.place-short', {n: place + 1, of: plan.steps.length})),
+    h('span', {class: 'grow'}),
+    key('PgDn', runs ? t('page.lesson.key.run') : t('page.lesson.key.next')),
+    key('H', t('page.lesson.key.truth')),
+    key('P', t('page.lesson.key.small')),
+    h('span', {class: 'clock'}),
   );
 }

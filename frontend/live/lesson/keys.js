@@ -10,6 +10,8 @@ export function mountKeys(lesson) {
       if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector('dialog[open]')) return;
       const at = event.target instanceof Element ? event.target : document.body;
       if (at.matches('input:not([type=range], [type=radio]), select, textarea')) return;
+      if (at.matches('.sketch-pad') && /^(Home|End|Arrow)/.test(event.key)) return; // they draw
+      if (at.matches('[role=button]') && [' ', 'Enter'].includes(event.key)) return; // a place in the picture
       const act = actionOf(lesson, event.key, at);
       if (!act) {
         if (OTHERS.has(event.key.toUpperCase())) event.stopPropagation(); // of the live page; not in a lesson
@@ -36,7 +38,7 @@ function actionOf(lesson, key, at) {
   const count = step.answers?.length || step.choices?.length || 0;
   if (/^[1-9]$/.test(key))
     return Number(key) <= count && (view.phase === 'before' || view.phase === 'opening')
-      ? () => lesson.set({chosen: Number(key) - 1})
+      ? () => lesson.choose(Number(key) - 1)
       : () => {};
   switch (key.length === 1 ? key.toUpperCase() : key) {
     case 'PageDown':
@@ -49,7 +51,7 @@ function actionOf(lesson, key, at) {
     case 'H':
       return () => lesson.truth();
     case 'P':
-      return () => document.documentElement.classList.toggle('lesson-large');
+      return () => lesson.enlarge();
     default:
       return null;
   }

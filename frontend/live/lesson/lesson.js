@@ -4,10 +4,12 @@ import {get, post} from '../../common/api.js';
 import {fill, h, query} from '../../common/dom.js';
 import {drawCard} from './card.js';
 import {mountCopyPicture} from './copy-picture.js';
-import {drawFoot} from './foot.js';
+import {drawBar, drawFoot} from './foot.js';
 import {mountKeys} from './keys.js';
 import {keepPlace, markDone, places} from './progress.js';
 import {playStep} from './play-step.js';
+import {remember, remembered} from './remember.js';
+import {SketchPad} from './sketch-pad.js';
 import {named, t} from '../../i18n/words.js';
 
 /** @import {App, Experiment, SessionLink} from '../types.js' */
@@ -20,6 +22,7 @@ import {named, t} from '../../i18n/words.js';
  * @property {'opening' | 'before' | 'running' | 'after'} phase   opening: its session is not there yet
  * @property {number | null} chosen  place of the answer or choice
  * @property {number | null} dial    value of the dial
+ * @property {number[] | null} sketch   what was drawn; null until something is
  * @property {number} mark           time of the session at which the step was started
  * @property {service.Judged | null} judged
  * @property {{label: string, t: number} | null} frozen   the observer whose divergence has stopped the step
@@ -63,14 +66,17 @@ export class Lesson {
       phase: 'before',
       chosen: null,
       dial: null,
+      sketch: null,
       mark: 0,
       judged: null,
       frozen: null,
       problem: '',
     };
     this.turns = 0;
+    this.pad = new SketchPad(this);
     this.card = h('section', {class: 'card lesson-card', 'aria-labelledby': 'lesson-title', tabindex: -1});
     this.foot = h('footer', {class: 'lesson-foot'});
+    this.bar = h('div', {class: 'lesson-bar'});
     this.picture = h('section', {class: 'card lesson-picture', hidden: true});
     this.cause = h('div', {class: 'lesson-cause', role: 'status', hidden: true});
     const main = query('#main');
@@ -78,12 +84,21 @@ export class Lesson {
     main.prepend(this.card);
     centre.prepend(this.picture, query('#panel-plant'), query('#hysteresis'), this.cause);
     centre.append(query('#panel-diagnosis'));
+    main.before(this.bar);
     main.after(this.foot);
+    app.onTick(() => {
+      const clock = this.bar.querySelector('.clock');
+      if (clock) clock.textContent = `${app.samples.now.toFixed(1)} s`;
+    });
     mountCopyPicture(this.picture, app);
     mountKeys(this);
     app.subscribe(
       (state) => [state.plant, state.columns],
       () => this.chooseStrips(),
+    );
+    app.subscribe(
+      (state) => state.site,
+      (site) => this.pointed(site),
     );
     app.subscribe(
       (state) => [state.language, state.lesson?.truth],
@@ -100,7 +115,8 @@ export class Lesson {
     Object.assign(this.view, change);
     const {lesson} = this.app.state;
     const until = this.end();
-    if (lesson && lesson.until !== until) this.app.store.dispatch({type: 'set', lesson: {...lesson, until}});
+    if (lesson && (lesson.until !== until || 'phase' in change))
+      this.app.store.dispatch({type: 'set', lesson: {...lesson, until, sketch: this.curve(lesson.sketch?.at)}});
     this.draw();
   }
 
@@ -111,9 +127,47 @@ export class Lesson {
     return waiting && this.step.run ? mark + this.step.run.seconds : null;
   }
 
+  /**
+   * What is drawn, or was, on its strip. `at`: the value that the keys move.
+   * @param {number | null} [at]
+   * @returns {import('../types.js').Sketched | null}
+   */
+  curve(at) {
+    const {sketch, run} = this.step;
+    const {phase, mark} = this.view;
+    if (!sketch || !run || phase === 'opening') return null;
+    const values = this.view.sketch ?? sketch.solution.map(() => sketch.value ?? 0);
+    const bent = phase === 'before' ? (at ?? 1) : null;
+    return {...sketch, values, from: mark, until: mark + run.seconds, at: bent};
+  }
+
+  /** Draw. @param {number[]} values @param {number} at @param {boolean} drawn   whether a value was changed */
+  sketched(values, at, drawn) {
+    const {lesson} = this.app.state;
+    if (this.view.phase !== 'before' || !lesson) return;
+    const first = drawn && this.view.sketch === null;
+    if (drawn || this.view.sketch) this.view.sketch = values;
+    this.app.store.dispatch({type: 'set', lesson: {...lesson, sketch: this.curve(at)}});
+    if (first) this.draw(); // it can run now
+  }
+
+  /** A place of the picture was pointed at. @param {string | null} site */
+  pointed(site) {
+    const chosen = (this.step.answers ?? []).findIndex((answer) => answer.site && answer.site === site);
+    if (chosen >= 0 && this.view.phase === 'before') this.set({chosen});
+  }
+
+  /** Choose an answer; one that is a place in the picture is marked there. @param {number} chosen */
+  choose(chosen) {
+    this.set({chosen});
+    const site = this.step.answers?.[chosen]?.site;
+    if (site) this.app.act.site(site);
+  }
+
   draw() {
     drawCard(this.card, this);
     drawFoot(this.foot, this);
+    drawBar(this.bar, this);
     const {frozen} = this.view;
     this.cause.hidden = frozen === null;
     if (frozen !== null)
@@ -143,9 +197,12 @@ export class Lesson {
         truth: show?.truth ?? true,
         diagnosis: show?.diagnosis ?? false,
         line: step.dial?.strip ? {strip: step.dial.strip, at: step.dial.value} : (show?.line ?? null),
+        sketch: null,
+        sites: (step.answers ?? []).flatMap(({site}) => site ?? []),
         until: null,
       },
       looking: null,
+      site: null,
     });
     document.documentElement.dataset.diagnosis = show?.diagnosis ? 'shown' : 'hidden';
     document.documentElement.dataset.picture = show?.picture ?? 'plant';
@@ -156,6 +213,7 @@ export class Lesson {
       phase: 'opening',
       chosen: null,
       dial: step.dial?.value ?? null,
+      sketch: null,
       judged: null,
       frozen: null,
       problem: '',
@@ -183,7 +241,7 @@ export class Lesson {
     const kept = remembered();
     const known = kept?.session === this.app.state.session && kept?.lesson === plan.id && kept.place === place;
     if (!kept || !known || turn !== this.turns) return false;
-    this.set({phase: 'before', chosen: kept.chosen, dial: kept.dial, mark: kept.mark});
+    this.set({phase: 'before', chosen: kept.chosen, dial: kept.dial, sketch: kept.sketch ?? null, mark: kept.mark});
     if (kept.dial !== null) this.turn(kept.dial);
     this.chooseStrips();
     if (kept.ran) await this.judge(turn);
@@ -244,6 +302,7 @@ export class Lesson {
         place: view.place,
         chosen: view.chosen,
         dial: view.dial,
+        sketch: view.sketch,
         mark: view.mark,
         ran: true,
       });
@@ -258,26 +317,46 @@ export class Lesson {
 
   /** @param {number} turn */
   async judge(turn) {
-    const {plan, place, mark, dial} = this.view;
+    const {plan, place, mark, dial, sketch} = this.view;
     const path = `/api/sessions/${encodeURIComponent(this.app.state.session ?? '')}/judge`;
     /** @type {service.Judged} */
-    const judged = await post(path, {lesson: plan.id, step: place, mark, ...(dial === null ? {} : {dial})});
+    const judged = await post(path, {
+      lesson: plan.id,
+      step: place,
+      mark,
+      ...(dial === null ? {} : {dial}),
+      ...(sketch === null ? {} : {sketch}),
+    });
     if (turn !== this.turns) return;
     markDone(plan.id, place);
     this.set({phase: 'after', judged});
   }
 
+  /** Whether it is shown on a projector. */
+  get large() {
+    return document.documentElement.classList.contains('lesson-large');
+  }
+
+  /** Large type for a projector, or again the usual one. */
+  enlarge() {
+    document.documentElement.classList.toggle('lesson-large');
+    this.app.scope.restyle(); // its fonts are those of the page
+    this.draw();
+  }
+
   /** Whether the step can be run: where it asks, an answer was chosen. */
   ready() {
+    if (this.large && !this.step.choices?.length) return true; // a lecturer asks the room
     const asks = (this.step.answers?.length ?? 0) > 0 || (this.step.choices?.length ?? 0) > 0;
-    return !asks || this.view.chosen !== null;
+    return (!asks || this.view.chosen !== null) && (!this.step.sketch || this.view.sketch !== null);
   }
 
   /** Whether the answer, the choice or the dial was right; null: nothing was asked. */
   right() {
     const {judged, chosen} = this.view;
     if (!judged) return null;
-    if (this.step.answers?.length) return chosen !== null && judged.right[chosen];
+    if (this.step.answers?.length) return chosen === null ? null : judged.right[chosen];
+    if (this.step.sketch && this.view.sketch === null) return null;
     return this.step.right_if?.length ? judged.met : null;
   }
 
@@ -298,46 +377,18 @@ export class Lesson {
 
   again = () => this.enter(this.view.place);
 
+  /** Hide true states and faults, and the diagnosis, or show them. */
   truth() {
     const {lesson} = this.app.state;
-    if (lesson) this.app.store.dispatch({type: 'set', lesson: {...lesson, truth: !lesson.truth}});
+    if (!lesson) return;
+    const diagnosis = !lesson.truth && (this.step.show?.diagnosis ?? false);
+    document.documentElement.dataset.diagnosis = diagnosis ? 'shown' : 'hidden';
+    this.app.store.dispatch({type: 'set', lesson: {...lesson, truth: !lesson.truth, diagnosis}});
   }
 
   /** Open the session in Live, with everything in it. */
   async leave() {
     this.app.store.dispatch({type: 'set', lesson: null});
     location.href = `/${(await this.app.act.link()).replace(`${location.origin}/`, '')}`;
-  }
-}
-
-const ANSWERS = 'thetascope.lesson';
-
-/**
- * What was answered in which session.
- * @typedef {object} Remembered
- * @property {string} session
- * @property {string} lesson
- * @property {number} place
- * @property {number | null} chosen
- * @property {number | null} dial
- * @property {number} mark
- * @property {boolean} ran
- */
-
-/** @param {Remembered | null} value */
-function remember(value) {
-  try {
-    sessionStorage.setItem(ANSWERS, JSON.stringify(value));
-  } catch {
-    /* private windows keep nothing */
-  }
-}
-
-/** @returns {Remembered | null} */
-function remembered() {
-  try {
-    return JSON.parse(sessionStorage.getItem(ANSWERS) ?? 'null');
-  } catch {
-    return null;
   }
 }

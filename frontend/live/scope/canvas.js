@@ -3,6 +3,7 @@
 
 import {marks} from './axes.js';
 import {hatch, hatchPending} from './hatch.js';
+import {drawSketch} from './sketch.js';
 import {bandPath, DASHED_PIECE, PIECE, strokeTrace, WHOLE} from './traces.js';
 import {COLOURS, DASH_DOT} from '../../widgets/line-style.js';
 
@@ -74,6 +75,7 @@ export function drawStrip(ctx, strip, place, view, range, colours) {
       colours.soft,
     );
   hatchPending(ctx, place, view, scale, colours);
+  if (strip.sketch) drawSketch(ctx, strip.sketch, scale, colours);
   ctx.restore();
   ctx.strokeStyle = colours.line;
   ctx.lineWidth = 1;

@@ -44,6 +44,7 @@ export function hatchPending(ctx, {left, width, height}, {now, pending}, scale, 
   const from = Math.max(left, scale.x(now));
   const to = Math.min(left + width, scale.x(pending.until));
   hatch(ctx, {left: from, right: to, top: 0, bottom: height}, colours.soft);
+  if (!pending.words) return;
   ctx.font = colours.words;
   const wide = ctx.measureText(pending.words).width + 20 * colours.size;
   const high = 24 * colours.size;

@@ -32,6 +32,8 @@ export function mountHead(root, app, scope) {
       state.band,
       state.presentation,
       state.session,
+      state.lesson?.truth,
+      state.lesson?.diagnosis,
       typeof state.facts?.judged === 'number',
     ],
     () => {

@@ -1,7 +1,7 @@
 // Which strips a session has and what each of them draws: one per fault channel, per set point and input of a loop, per
 // state, per output's residual, and the excitation.
 
-/** @import {DerivedColumn, FaultState, ObserverState, Plant, State, Strip, Trace} from '../types.js' */
+/** @import {DerivedColumn, FaultState, ObserverState, Plant, Sketched, State, Strip, Trace} from '../types.js' */
 
 const MOST_STATES = 4;
 const MOST_CHANNELS = 6;
@@ -77,9 +77,11 @@ export function stripsOf({plant, columns, observers, faults, checks, strips: cho
   const few = presentation ? fewer(all) : () => true;
   const secret = lesson !== null && !lesson.truth;
   const line = lesson?.line;
+  const sketch = lesson?.sketch;
   return all.map((strip) => ({
     ...strip,
     ...(line?.strip === strip.name ? lined(strip.base, line.at) : {}),
+    ...(sketch?.strip === strip.name ? {sketch, base: spanned(strip.base, sketch)} : {}),
     truth: secret && strip.kind !== 'loop' ? null : strip.truth,
     shown: chosen[strip.name] ?? (strip.usual && few(strip)),
   }));
@@ -95,6 +97,14 @@ const lined = (base, at) => ({
   line: at,
   base: [Math.min(base?.[0] ?? 0, -1.15 * at), Math.max(base?.[1] ?? 0, 1.15 * at)],
 });
+
+/**
+ * An axis with room for all that can be drawn.
+ * @param {Strip['base']} base
+ * @param {Sketched} sketch
+ * @returns {[number, number]}
+ */
+const spanned = (base, {low, high}) => [Math.min(base?.[0] ?? low, low), Math.max(base?.[1] ?? high, high)];
 
 /**
  * The strips of presentation mode: the fault channels and a state; if no observer estimates a fault, two states and a

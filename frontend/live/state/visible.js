@@ -19,4 +19,6 @@ export const visible = ({faults, alarms, lesson}) => ({
  * @param {Pick<State, 'lesson'>} state
  */
 export const pending = ({lesson}) =>
-  typeof lesson?.until === 'number' ? {until: lesson.until, words: t('page.lesson.your-turn')} : null;
+  typeof lesson?.until === 'number'
+    ? {until: lesson.until, words: lesson.sketch ? '' : t('page.lesson.your-turn')} // there is a curve already
+    : null;

@@ -91,6 +91,37 @@ def test_a_line_is_drawn_where_the_student_sets_it(page):
     assert lesson.watch.errors == []
 
 
+def test_a_student_draws_a_curve_and_points_at_a_place(page):
+    """Both by keyboard: a curve is bent until it is right, a site of the picture is chosen; what was drawn stays."""
+    lesson = page("/?lesson=the-residual&step=4")
+    entered(lesson, 4)
+    assert lesson.get_attribute(".lesson-act .run", "aria-disabled") == "true"
+    pad = lesson.locator(".sketch-pad")
+    pad.focus()
+    for key in ("ArrowRight", "End", "Shift+ArrowDown", *(["ArrowLeft", "Shift+ArrowDown"] * 4)):
+        pad.press(key)
+    assert "after 50 s: -0.16 cm" in pad.get_attribute("aria-valuetext")
+    drawn = lesson.evaluate(f"{APP}.state.lesson.sketch.values")
+    assert min(drawn) < -0.15 and drawn[0] == 0
+    lesson.evaluate(AXE)
+    assert serious(lesson) == []
+    pad.press("Enter")
+    lesson.wait_for_selector(".feedback.right")
+    lesson.reload()
+    lesson.wait_for_selector(".feedback.right")
+    assert lesson.evaluate(f"{APP}.state.lesson.sketch.values") == drawn
+    lesson.goto(lesson.url.split("?")[0] + "?lesson=from-residual-to-name&step=3")
+    entered(lesson, 3)
+    lesson.locator(".plant .site.asked").nth(1).focus()
+    lesson.keyboard.press("Enter")
+    eventually(lambda: "You point at: the leak" in lesson.inner_text(".predict"), "the card names the place")
+    lesson.keyboard.press("p")  # for a projector
+    eventually(lambda: lesson.inner_text(".lesson-bar b") == "From residual to name", "the bar names the lesson")
+    lesson.keyboard.press("PageDown")
+    lesson.wait_for_selector(".feedback.right")
+    assert lesson.watch.errors == []
+
+
 def test_a_lesson_is_chinese_and_fits_a_phone(page):
     """In Chinese on a phone the card comes first, nothing is wider than the screen, and axe finds nothing serious."""
     lesson = page(f"{LESSON}&step=2", width=390, height=844, theme="dark")

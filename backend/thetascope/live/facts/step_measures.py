@@ -10,6 +10,7 @@ from thetascope_schemas.experiment.diagnosis import Alarm
 from thetascope_schemas.service.learning.course import CourseStep
 from thetascope_schemas.service.learning.judged import Judged
 from thetascope_schemas.service.learning.measures import (
+    SKETCH,
     Condition,
     Counts,
     Crosses,
@@ -31,21 +32,34 @@ class Readings:
 
     Args:
         t: times of the rows in s, increasing.
-        column: returns a column of the rows by name, of the shape of t.
+        read: returns a column of the session's rows by name, of the shape of t.
         mark: time in s at which the step was started; times of measures count from it.
         alarms: of the detector, with the times at which they were raised.
         diverged: time in s of each observer that has diverged, by label.
         gains: the present gains by label and name.
         dial: the level that the student has set, None where the step has no such dial.
+        sketch: the values that the student has drawn, at equal times from the mark to `seconds` after it.
+        seconds: the time that the step lets pass.
     """
 
     t: np.ndarray
-    column: Callable[[str], np.ndarray]
+    read: Callable[[str], np.ndarray]
     mark: float
     alarms: Sequence[Alarm] = ()
     diverged: Mapping[str, float] = field(default_factory=dict)
     gains: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
     dial: float | None = None
+    sketch: Sequence[float] | None = None
+    seconds: float = 0.0
+
+    def column(self, name: str) -> np.ndarray:
+        """Return a column of the session, or what was drawn, straight between its values; NaN where nothing was."""
+        if name != SKETCH:
+            return self.read(name)
+        if self.sketch is None:
+            return np.full(self.t.shape, np.nan)
+        knots = self.mark + np.linspace(0.0, self.seconds, len(self.sketch))
+        return np.interp(self.t, knots, self.sketch)
 
     def rows(self, start: float, end: float | None) -> slice:
         """Return the rows from `start` to `end`, in s after the mark."""
@@ -55,11 +69,11 @@ class Readings:
 
 
 def columns_of(step: CourseStep) -> tuple[str, ...]:
-    """Return the columns that the measures of a step read."""
+    """Return the columns of a session that the measures of a step read."""
     names: dict[str, None] = {}
     for measure in step.measures.values():
         for attribute in ("column", "to", "minus"):
-            if isinstance(name := getattr(measure, attribute, None), str):
+            if isinstance(name := getattr(measure, attribute, None), str) and name != SKETCH:
                 names[name] = None
     return tuple(names)
 

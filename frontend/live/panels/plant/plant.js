@@ -58,16 +58,18 @@ export function mount(element, app) {
     const {faults, alarms} = visible(app.state);
     const active = new Set(faults.filter((fault) => fault.active).map((fault) => fault.subject));
     const on = alarms.filter((alarm) => alarm.over === null);
-    for (const [subject, {group, title, onChannel}] of sites) {
+    const asked = new Set(app.state.lesson?.sites);
+    for (const [subject, {group, title, onChannel, name}] of sites) {
       const mine = on.filter((alarm) =>
         onChannel ? alarm.subjects.includes(subject) : !alarm.explained && alarm.subject === subject,
       );
       const sure = mine.some((alarm) => alarm.subjects.length < 2);
       group.classList.toggle('on', active.has(subject));
+      group.classList.toggle('asked', asked.has(subject));
       group.classList.toggle('found', sure);
       group.classList.toggle('perhaps', mine.length > 0 && !sure);
       const said = [
-        title,
+        asked.has(subject) ? name : title,
         active.has(subject) && t('page.plant.site.active'),
         mine.length > 0 && (sure ? t('page.plant.site.identified') : t('page.plant.site.possible')),
       ];
@@ -135,7 +137,7 @@ export function drawPlant(plant, app) {
 }
 
 /** @typedef {{column: string, node: SVGElement, scale: number}} Value   a present value beside its wire */
-/** @typedef {{group: SVGElement, title: string, onChannel: boolean}} Drawn   a fault site */
+/** @typedef {{group: SVGElement, title: string, name: string, onChannel: boolean}} Drawn   a fault site */
 /** @typedef {{column: string, low: number, high: number, mark: SVGElement, label: SVGElement}} Limited   an input */
 /** @typedef {{name: string, unit: string, description: string, default?: number}} Port */
 
@@ -346,6 +348,6 @@ function button(spot, short, app, sites) {
           s('rect', {x: -4.5, y: -4.5, width: 9, height: 9, rx: 1.5, transform: 'rotate(45)'}),
         ],
   );
-  sites.set(spot.subject, {group, title, onChannel: spot.onChannel});
+  sites.set(spot.subject, {group, title, name: named(spot.title), onChannel: spot.onChannel});
   return group;
 }

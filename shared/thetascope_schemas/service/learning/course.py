@@ -4,9 +4,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, WithJsonSchema, model_validator
 
-from thetascope_schemas.experiment.base import Identifier, Instant, Positive, Reference, Strict, example
+from thetascope_schemas.experiment.base import Identifier, Instant, Number, Positive, Reference, Strict, example
 from thetascope_schemas.experiment.experiment import Experiment
-from thetascope_schemas.service.learning.measures import ColumnName, Condition, Measure
+from thetascope_schemas.service.learning.measures import ColumnName, Condition, Drawn, Measure
 from thetascope_schemas.service.learning.questions import Words
 from thetascope_schemas.service.session import BatchMember
 from thetascope_schemas.texts.refusal import refuse, suggestion
@@ -57,6 +57,10 @@ class Answer(Strict):
     model_config = example(**_ANSWER)
 
     text: Words
+    site: Reference | None = Field(
+        default=None,
+        description="A channel or an output: the answer is given by pointing at its place in the plant's picture.",
+    )
     right_if: tuple[Condition, ...] = Field(min_length=1, max_length=4)
 
 
@@ -103,6 +107,30 @@ class Dial(Strict):
         return self
 
 
+class Sketch(Strict):
+    """A curve that the student draws on a strip, from the beginning of the step to its end, before it runs.
+
+    Measures read it as the column `sketch`.
+    """
+
+    model_config = example(strip="residual.y", low=-0.8, high=0.4, value=0.0, solution=[0.0, -0.5, -0.4, -0.3, -0.3])
+
+    strip: ColumnName
+    low: Number = Field(description="The least value that can be drawn, in the unit of the strip.")
+    high: Number = Field(description="The greatest value that can be drawn.")
+    value: Number = Field(
+        default=0, description="The level line from which the drawing begins; it does not meet the step's conditions."
+    )
+    solution: Drawn = Field(description="A curve that meets them. The student draws as many values.")
+
+    @model_validator(mode="after")
+    def _lies_within(self) -> Self:
+        for value in (self.value, *self.solution):
+            if not self.low <= value <= self.high:
+                raise refuse("course.sketch.beyond", field="value", value=value, low=self.low, high=self.high)
+        return self
+
+
 class StepRun(Strict):
     """What the button of a step does: commands, then time."""
 
@@ -146,10 +174,13 @@ class CourseStep(Strict):
     )
     show: StepView = StepView()
     ask: Words | None = None
-    answers: tuple[Answer, ...] = Field(default=(), max_length=4)
+    answers: tuple[Answer, ...] = Field(default=(), max_length=8)
     choices: tuple[Choice, ...] = Field(default=(), max_length=4)
     dial: Dial | None = None
-    right_if: tuple[Condition, ...] = Field(default=(), max_length=4, description="Of a step with choices or a dial.")
+    sketch: Sketch | None = None
+    right_if: tuple[Condition, ...] = Field(
+        default=(), max_length=6, description="Of a step with choices, a dial or a sketch."
+    )
     run: StepRun | None = None
     measures: dict[Reference, Measure] = Field(default_factory=dict, max_length=8)
     saw: tuple[Saw, ...] = Field(default=(), max_length=4, description="The first whose conditions hold is shown.")
@@ -164,7 +195,10 @@ class CourseStep(Strict):
             if condition.measure not in self.measures:
                 hint = suggestion(condition.measure, self.measures)
                 raise refuse("course.measure.unknown", field="measures", value=condition.measure, remedy=hint)
-        if self.run is None and (self.answers or self.choices or self.dial):
+        sites = [answer.site for answer in self.answers if answer.site is not None]
+        if sites and (len(set(sites)) < len(self.answers) or self.show.picture != "plant"):
+            raise refuse("course.sites", field="answers", value=sites)
+        if self.run is None and (self.answers or self.choices or self.dial or self.sketch):
             raise refuse("course.step.runs-nothing", field="run", value=None)
         if self.run is not None and self.start is None:
             raise refuse("course.step.starts-nowhere", field="start", value=None)

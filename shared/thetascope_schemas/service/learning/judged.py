@@ -3,6 +3,7 @@
 from pydantic import Field
 
 from thetascope_schemas.experiment.base import Identifier, Instant, Number, Strict, example
+from thetascope_schemas.service.learning.measures import Drawn
 
 
 class JudgeRequest(Strict):
@@ -14,6 +15,7 @@ class JudgeRequest(Strict):
     step: int = Field(ge=0, le=99, strict=True, description="Place of the step in its lesson, counted from 0.")
     mark: Instant = Field(default=0, description="Time of the session in s at which the step was started.")
     dial: Number | None = Field(default=None, description="The value of the step's dial; null: it has none.")
+    sketch: Drawn | None = Field(default=None, description="What was drawn; null: the step has no sketch.")
 
 
 class Judged(Strict):

@@ -11,6 +11,13 @@ from thetascope_schemas.experiment.base import Number, Positive, Reference, Stri
 from thetascope_schemas.texts.refusal import refuse
 
 ColumnName = Annotated[str, Field(min_length=1, max_length=120, description="A column of the session, say y.y1.")]
+SKETCH = "sketch"
+"""The column that measures read as what the student has drawn."""
+Drawn = Annotated[
+    tuple[Annotated[Number, Field(description="A value, in the unit of the strip.")], ...],
+    Field(min_length=3, max_length=13),
+]
+"""Values of a drawn curve at equal times, from the beginning of a step to its end."""
 Line = Annotated[Number | Literal["dial"], Field(description="A level; dial: the one that the student has set.")]
 After = Annotated[float, Field(strict=True, allow_inf_nan=False, description="Time in s after the mark.")]
 

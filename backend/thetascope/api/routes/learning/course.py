@@ -87,12 +87,14 @@ async def _readings(room: Any, step: CourseStep, body: JudgeRequest) -> Readings
     until = mark + seconds + record
     return Readings(
         t=np.arange(first, last) * record,
-        column=lambda name: rows[names.index(name)].astype(float),
+        read=lambda name: rows[names.index(name)].astype(float),
         mark=mark,
         alarms=tuple(alarm for alarm in facts.alarms if alarm.t <= until),
         diverged={event.subject: event.t for event in room.session.log if event.kind == "diverged" and event.subject},
         gains={one.label: dict(one.gains) for one in facts.observers},
         dial=body.dial,
+        sketch=body.sketch,
+        seconds=seconds,
     )
 
 
