@@ -10,13 +10,20 @@ from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
 from thetascope_schemas import Experiment, Plant, ResolvedExperiment
 from thetascope_schemas.service.learning.course import CourseLesson
+from thetascope_schemas.service.learning.mystery import MysterySetup
 from thetascope_schemas.service.learning.questions import Lesson
 from thetascope_schemas.texts.refusal import suggestion
 
 _HERE = Path(__file__).parent
 _FIRST = ("zhao-2012", "shen-hu-2015", "reduced-order-mimo", "zhou-tan-2012", "dc-motor", "dts200", "quadruple-tank")
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-_SCHEMAS = {"plants": Plant, "experiments": Experiment, "lessons": Lesson, "course": CourseLesson}
+_SCHEMAS = {
+    "plants": Plant,
+    "experiments": Experiment,
+    "lessons": Lesson,
+    "course": CourseLesson,
+    "mysteries": MysterySetup,
+}
 
 
 @lru_cache(maxsize=len(_SCHEMAS))
@@ -57,6 +64,12 @@ def lessons() -> dict[str, Lesson]:
 def course() -> dict[str, CourseLesson]:
     """Return the lessons of the course by id."""
     return {name: _read("course", name) for name in _names("course")}
+
+
+@lru_cache(maxsize=1)
+def mysteries() -> dict[str, MysterySetup]:
+    """Return the set-ups from which mysteries are drawn, by id."""
+    return {name: _read("mysteries", name) for name in _names("mysteries")}
 
 
 @lru_cache(maxsize=1)
