@@ -16,6 +16,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from thetascope.api.http.openapi import BODIES
 from thetascope.server.app import create_app
 from thetascope.settings import Settings
+from thetascope_schemas.service.classroom.views import CurvesHead
 from thetascope_schemas.service.run import Problem
 from thetascope_schemas.service.session import ClientMessage, ServerMessage
 
@@ -67,7 +68,7 @@ def _schemas() -> dict[str, Any]:
         if model is not None
     )
     inputs = [(model, "validation", TypeAdapter(model)) for model in (*BODIES, ClientMessage)]
-    outputs = [(model, "serialization", TypeAdapter(model)) for model in (*answers, Problem, ServerMessage)]
+    outputs = [(model, "serialization", TypeAdapter(model)) for model in (*answers, Problem, ServerMessage, CurvesHead)]
     schemas, common = TypeAdapter.json_schemas([*inputs, *outputs], schema_generator=AllFields)
     unions = {
         "ClientMessage": schemas[ClientMessage, "validation"],

@@ -14,6 +14,7 @@ import {mountPanels} from './mount-panels.js';
 import {openingSpeed} from './state/opening-speed.js';
 import {watchPast} from './state/past.js';
 import * as permalink from './state/permalink.js';
+import {lead} from './class/lead.js';
 import {reduce} from './state/reduce.js';
 import {Samples} from './state/samples.js';
 import {mountScope} from './scope/scope.js';
@@ -379,6 +380,7 @@ mountNotice(place('notice'), app);
 watchPast(app);
 mountDesk(place('main'), app);
 if (presented()) app.act.present(true);
+lead.mount(app);
 store.subscribe((state) => [state.spec, state.epoch, state.playing, state.session], address.soon);
 store.subscribe(
   (state) => [state.spec?.title, state.language],

@@ -193,6 +193,12 @@ export interface Calibration {
   note: Text | null;
 }
 
+/** A short text in both languages of the page. */
+export interface Caption {
+  en: string;
+  zh: string;
+}
+
 /** Plants, experiments, kinds of observers, and the forms of faults and signals. */
 export interface Catalogue {
   plants: (PlantLine)[];
@@ -562,6 +568,62 @@ export interface Crosses {
   level: number | 'dial';
   /** Time in s after the mark. */
   since: number;
+}
+
+/** A curve: a column of the session, or the difference of two. */
+export interface CurveLine {
+  /** A column of the session, say y.y1. */
+  column: string;
+  minus: string | null;
+  /** Of its observer, for the colour. */
+  place: number;
+  role: 'truth' | 'measured' | 'estimate';
+}
+
+/** A curve: a column of the session, or the difference of two. */
+export interface CurveLineInput {
+  /** A column of the session, say y.y1. */
+  column: string;
+  minus?: string | null;
+  /** Of its observer, for the colour. */
+  place?: number;
+  role?: 'truth' | 'measured' | 'estimate';
+}
+
+/** The strip of curves that students see. */
+export interface CurveStrip {
+  /** Name of the quantity. */
+  symbol: string;
+  /** Whether it is measured minus predicted. */
+  residual: boolean;
+  title: Caption | null;
+  unit: string;
+  lines: (CurveLine)[];
+}
+
+/** The strip of curves that students see. */
+export interface CurveStripInput {
+  /** Name of the quantity. */
+  symbol: string;
+  /** Whether it is measured minus predicted. */
+  residual?: boolean;
+  title?: Caption | null;
+  unit?: string;
+  lines: (CurveLineInput)[];
+}
+
+/** The first text on the stream of curves, and again after every change of columns; binary frames follow it. */
+export interface CurvesHead {
+  type: 'curves';
+  /** null: there are no curves now. */
+  strip: CurveStrip | null;
+  /** Time in s between rows. */
+  record: number;
+  epoch: number;
+  /** Number of the first row that follows. */
+  row: number;
+  /** Length of the axis of time in s; null: it grows. */
+  horizon: number | null;
 }
 
 /** An intermediate quantity. Observers saturate it to its domain; the plant does not. */
@@ -1467,6 +1529,18 @@ export interface Interval {
   high: number;
 }
 
+/** The code with which a student joins a room. */
+export interface JoinRequest {
+  /** Six letters; case, blanks and dashes do not matter. */
+  code: string;
+}
+
+/** A student's place in a room. The token keeps it. */
+export interface JoinedRoom {
+  token: string;
+  seat: SeatView;
+}
+
 export type JsonValue = unknown;
 
 /** Which step to judge, and when it was started. */
@@ -1522,6 +1596,40 @@ export interface KnownSignalInput {
   description?: string | {[name: string]: string};
   /** The signal if an experiment sets none. */
   default?: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SquareSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | NoiseSignalInput | TableSignalInput | ExpressionSignalInput;
+}
+
+/** What the teacher shows now: a live session, and perhaps a step of a lesson. */
+export interface LeadRequest {
+  /** Id of the teacher's session. */
+  session?: string;
+  /** The curves of the session that students see. */
+  strip?: CurveStripInput | null;
+  /** A name for the step; '': no lesson is shown. */
+  step?: string;
+  /** The step's words. */
+  card?: StepCardInput | null;
+  /** Where the axis of time begins, in s; null: it follows. */
+  since?: number | null;
+  /** Time in s until which the step will run; null: it has run. */
+  until?: number | null;
+  /** before: students vote; after: the step was run, and is judged. */
+  phase?: 'before' | 'running' | 'after';
+  /** Whether each answer was right in the teacher's session. */
+  right?: (boolean)[];
+}
+
+/** What the teacher shows. */
+export interface LeadView {
+  /** Whether curves of a session come on the stream of curves. */
+  live: boolean;
+  step: string;
+  card: StepCard | null;
+  phase: 'before' | 'running' | 'after';
+  /** Where the axis of time begins, in s; null: it follows. */
+  since: number | null;
+  /** Time in s until which the step will run; null: it has run. */
+  until: number | null;
+  right: (boolean)[];
 }
 
 /** All lessons. */
@@ -1699,6 +1807,12 @@ export interface MyPlantLine {
 /** Saved plants, or the versions of one of them, the last one that was saved first. */
 export interface MyPlantList {
   plants: (MyPlantLine)[];
+}
+
+/** The name that a student chooses; without one the student gets another animal. */
+export interface NameRequest {
+  /** A name; null: another animal. */
+  name?: string | null;
 }
 
 /** Gaussian measurement noise of one output; each drawn value is held for the sample time. */
@@ -3090,6 +3204,32 @@ export interface Rewound {
   t: number;
 }
 
+/** A room, as its teacher gets it. The token is that of the teacher. */
+export interface RoomOpened {
+  token: string;
+  code: string;
+  /** Where students join. */
+  address: string;
+  /** Whether other machines can reach that address. */
+  reachable: boolean;
+  /** The QR code of the address: a text of 0 and 1 for each row. */
+  qr: (string)[];
+}
+
+/** A new round; it ends the one before. */
+export interface RoundRequest {
+  /** follow: all see the teacher's session, and vote. */
+  kind: 'follow';
+}
+
+/** The present round. */
+export interface RoundView {
+  /** Of the round, counted from 1. */
+  number: number;
+  kind: 'follow';
+  lead: LeadView | null;
+}
+
 /** A run of an experiment. Its id is the hash of everything that determines its numbers (`Experiment.spec_hash`). */
 export interface Run {
   /** Hash of the canonical spec. */
@@ -3293,6 +3433,19 @@ export interface SampledMeasurementInput {
 export interface Saw {
   text: Words;
   when: (Condition)[];
+}
+
+/** Everything on a student's phone. */
+export interface SeatView {
+  type: 'seat';
+  code: string;
+  animal: Caption;
+  name: string | null;
+  /** Students in the room. */
+  students: number;
+  round: RoundView | null;
+  /** Place of the student's vote in this step. */
+  vote: number | null;
 }
 
 /** Go back to an earlier time. Rows and commands after it are discarded; fork first to keep them. */
@@ -3777,6 +3930,30 @@ export interface Step {
   rows?: number;
 }
 
+/** What students see of a step: its words, its question, and the curves that go with it. */
+export interface StepCard {
+  /** Number of the step, counted from 1. */
+  place: number;
+  /** Number of steps. */
+  of: number;
+  title: Caption;
+  say: (Caption)[];
+  ask: Caption | null;
+  options: (Caption)[];
+}
+
+/** What students see of a step: its words, its question, and the curves that go with it. */
+export interface StepCardInput {
+  /** Number of the step, counted from 1. */
+  place: number;
+  /** Number of steps. */
+  of: number;
+  title: Caption;
+  say?: (Caption)[];
+  ask?: Caption | null;
+  options?: (Caption)[];
+}
+
 /** θ = size from the onset on. */
 export interface StepFault {
   /** Time in s at which the fault appears. */
@@ -4081,6 +4258,19 @@ export interface TextPlace {
   length: number;
 }
 
+/** A student on the wall. */
+export interface Tile {
+  id: string;
+  animal: Caption;
+  name: string | null;
+  /** Whether no page of this student is connected; the place is kept. */
+  asleep: boolean;
+  answered: boolean;
+  /** Place of the vote, after the step was run. */
+  choice: number | null;
+  mark: 'right' | 'wrong' | null;
+}
+
 /** The times of the rows: a column, or a period for rows without one. */
 export interface TimeMapping {
   /** The column of times; null: none, the period is used. */
@@ -4221,6 +4411,24 @@ export interface VisibleFault {
   smallest: number | null;
   /** Size of a typical fault. */
   typical: number;
+}
+
+/** A student's prediction in a step that the teacher shows. */
+export interface VoteRequest {
+  /** The step as the room names it. */
+  step: string;
+  /** Place of the answer, counted from 0. */
+  choice: number;
+}
+
+/** Everything on the wall. Votes are counted; answers come after the reveal. */
+export interface WallView {
+  type: 'wall';
+  code: string;
+  tiles: (Tile)[];
+  /** Votes for each answer of the step. */
+  votes: (number)[];
+  round: RoundView | null;
 }
 
 /** A symbol of an observer's equations and its meaning. */

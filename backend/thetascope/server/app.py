@@ -34,6 +34,7 @@ from thetascope.api.routes import (
     runs,
     sessions,
 )
+from thetascope.api.routes.classroom import seats, teacher
 from thetascope.api.routes.figures import printed_figures
 from thetascope.api.routes.learning import course, questions
 from thetascope.api.routes.models import equations, gain_defaults, plant_trial, signal_curve
@@ -128,6 +129,8 @@ def _api() -> APIRouter:
         run_results,
         printed_figures,
         sessions,
+        teacher,
+        seats,
     ):
         api.include_router(part.router)
 

@@ -5,6 +5,7 @@ import {prose, withSymbols} from '../../widgets/prose.js';
 import {slider} from '../../widgets/controls.js';
 import {logarithmic} from '../../widgets/slider-scale.js';
 import {named, t} from '../../i18n/words.js';
+import {voteBar, votesAfter, votesLine} from '../class/votes.js';
 
 /** @import {Child} from '../../types/dom.js' */
 /** @import {Lesson} from './lesson.js' */
@@ -37,6 +38,7 @@ function before(lesson) {
     ),
     step.short && h('p', {class: 'say short'}, prose(named(step.short))),
     step.ask && h('p', {class: 'ask', id: 'lesson-ask'}, withSymbols(named(step.ask))),
+    (step.answers?.length ?? 0) > 0 && votesLine(),
     (step.answers?.length ?? 0) > 0 && (points(step) ? pointing(lesson) : options(lesson, step.answers ?? [])),
     (step.choices?.length ?? 0) > 0 && options(lesson, step.choices ?? []),
     step.dial && dial(lesson, step.dial),
@@ -101,6 +103,7 @@ const options = (lesson, all) =>
         }),
         h('span', {class: 'letter', 'aria-hidden': 'true'}, String.fromCharCode(65 + place)),
         h('span', {}, withSymbols(named(text))),
+        voteBar(place),
         h('kbd', {}, place + 1),
       ),
     ),
@@ -191,6 +194,7 @@ function after(lesson) {
         view.sketch && h('p', {class: 'soft'}, t('page.lesson.sketched')),
       ),
     ),
+    votesAfter(step, judged),
     h(
       'div',
       {class: 'why'},

@@ -1,6 +1,7 @@
 // The foot of a lesson: back, the steps, truth, restart, everything in Live, next; on a projector the bar above it.
 
 import {fill, h} from '../../common/dom.js';
+import {lead} from '../class/lead.js';
 import {places} from './progress.js';
 import {named, t} from '../../i18n/words.js';
 
@@ -55,8 +56,10 @@ export function drawBar(bar, {view, step}) {
     h('span', {class: 'soft'}, t('page.lesson.place-short', {n: place + 1, of: plan.steps.length})),
     h('span', {class: 'grow'}),
     key('PgDn', runs ? t('page.lesson.key.run') : t('page.lesson.key.next')),
+    lead.votes && key('V', t('page.lesson.key.votes')),
     key('H', t('page.lesson.key.truth')),
     key('P', t('page.lesson.key.small')),
+    lead.votes && h('span', {}, t('page.class.voted', {n: lead.votes.voted, of: lead.votes.students})),
     h('span', {class: 'clock'}),
   );
 }

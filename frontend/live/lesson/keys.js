@@ -1,5 +1,7 @@
 // The keys of a lesson: answers, run, steps, truth. They come before those of the live page.
 
+import {lead} from '../class/lead.js';
+
 /** @import {Lesson} from './lesson.js' */
 
 /** @param {Lesson} lesson */
@@ -50,6 +52,8 @@ function actionOf(lesson, key, at) {
       return () => (view.phase === 'after' || !step.run ? lesson.next() : lesson.run());
     case 'H':
       return () => lesson.truth();
+    case 'V':
+      return lead.follows ? () => lead.show() : null;
     case 'P':
       return () => lesson.enlarge();
     default:

@@ -2,6 +2,7 @@
 
 import {get, post} from '../../common/api.js';
 import {fill, h, query} from '../../common/dom.js';
+import {lead} from '../class/lead.js';
 import {drawCard} from './card.js';
 import {mountCopyPicture} from './copy-picture.js';
 import {drawBar, drawFoot} from './foot.js';
@@ -92,6 +93,7 @@ export class Lesson {
     });
     mountCopyPicture(this.picture, app);
     mountKeys(this);
+    lead.lesson = this;
     app.subscribe(
       (state) => [state.plant, state.columns],
       () => this.chooseStrips(),
@@ -165,6 +167,7 @@ export class Lesson {
   }
 
   draw() {
+    lead.soon();
     drawCard(this.card, this);
     drawFoot(this.foot, this);
     drawBar(this.bar, this);
@@ -346,7 +349,7 @@ export class Lesson {
 
   /** Whether the step can be run: where it asks, an answer was chosen. */
   ready() {
-    if (this.large && !this.step.choices?.length) return true; // a lecturer asks the room
+    if ((this.large || lead.follows) && !this.step.choices?.length) return true; // a lecturer asks the room
     const asks = (this.step.answers?.length ?? 0) > 0 || (this.step.choices?.length ?? 0) > 0;
     return (!asks || this.view.chosen !== null) && (!this.step.sketch || this.view.sketch !== null);
   }

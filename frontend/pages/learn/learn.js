@@ -22,7 +22,7 @@ const draw = () => {
   fill(query('.skip'), t('page.nav.skip-to-lessons'));
   fill(
     query('#main'),
-    h('div', {class: 'learn-intro'}, introduction(entries), outcomes(lessons)),
+    h('div', {class: 'learn-intro'}, introduction(entries), outcomes(lessons), classCard()),
     h(
       'ol',
       {class: 'learn-lessons'},
@@ -91,6 +91,36 @@ function card({lesson, place}, here) {
     h('h2', {}, h('span', {class: 'soft'}, lesson.number), named(lesson.title)),
     h('p', {}, named(lesson.outcome)),
     h('p', {class: 'soft meta'}, state, h('span', {}, t('page.learn.minutes', {n: lesson.minutes}))),
+  );
+}
+
+/** The code of a class, and the way to open a room. */
+function classCard() {
+  const code = h('input', {
+    id: 'class-code',
+    autocomplete: 'off',
+    spellcheck: 'false',
+    maxlength: 12,
+    placeholder: 'HWRTKM',
+    required: true,
+  });
+  return h(
+    'section',
+    {class: 'card learn-class'},
+    h('h2', {}, t('page.learn.class')),
+    h('label', {for: 'class-code'}, t('page.learn.class-code')),
+    h(
+      'form',
+      {
+        onsubmit: (event) => {
+          event.preventDefault();
+          location.href = `/join/${encodeURIComponent(code.value.trim())}`;
+        },
+      },
+      code,
+      h('button', {class: 'run', type: 'submit'}, t('page.join.join')),
+    ),
+    h('p', {}, h('a', {href: '/classroom/'}, t('page.learn.teach'))),
   );
 }
 

@@ -10,6 +10,13 @@ from thetascope.api.http.request_bodies import EquationsRequest, ForkRequest, Se
 from thetascope.runs.specs.run_requests import RunRequest
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
+from thetascope_schemas.service.classroom.requests import (
+    JoinRequest,
+    LeadRequest,
+    NameRequest,
+    RoundRequest,
+    VoteRequest,
+)
 from thetascope_schemas.service.figures.printed_figure import PrintSettings
 from thetascope_schemas.service.figures.signal_curve import SignalCurveRequest
 from thetascope_schemas.service.learning.judged import JudgeRequest
@@ -33,7 +40,9 @@ SCHEMES = {
     },
 }
 """Ways to show the access key. A service on loopback, and one with THETASCOPE_OPEN=1, asks for none of them."""
-_NO_KEY = ("/api/health/live",)
+_NO_KEY = ("/api/health/live", "/api/messages/{language}", "/api/classroom/join")
+_NO_KEY_BELOW = "/api/classroom/seat"
+"""Addresses that answer without the key: see thetascope.api.sign_in.guests."""
 
 BODIES = (
     Experiment,
@@ -54,6 +63,11 @@ BODIES = (
     EquationsRequest,
     PrintSettings,
     JudgeRequest,
+    RoundRequest,
+    LeadRequest,
+    JoinRequest,
+    NameRequest,
+    VoteRequest,
     Problem,
 )
 _ANY = {"description": "Another refusal, or an internal error (500).", "content": PROBLEM}
@@ -86,8 +100,10 @@ def install(app: FastAPI) -> None:
                     _refusals(operation["responses"])
             for name in ("HTTPValidationError", "ValidationError"):
                 schemas.pop(name, None)
-            for path in _NO_KEY:
-                openapi["paths"][path]["get"]["security"] = []
+            for path, operations in openapi["paths"].items():
+                if path in _NO_KEY or path.startswith(_NO_KEY_BELOW):
+                    for operation in operations.values():
+                        operation["security"] = []
             app.openapi_schema = openapi
         return app.openapi_schema
 

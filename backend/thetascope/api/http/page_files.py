@@ -22,7 +22,9 @@ FRONTEND = next(
 )
 
 #: Addresses of pages whose files lie in frontend/pages.
-PAGES = ("learn", "runs", "records", "workshop")
+PAGES = ("learn", "runs", "records", "workshop", "classroom")
+#: Addresses under which every path is one document: `/join/HWRTKM` carries the code of a room.
+ONE_DOCUMENT = ("join",)
 
 #: A versioned file is at /static/<version>/<file>; modules import each other by relative addresses.
 STATIC = "static"
@@ -93,6 +95,8 @@ class Frontend(StaticFiles):
             raise HTTPException(404)
         if first == STATIC and len(others) > 1:
             return await self._versioned(others[0], "/".join(others[1:]), scope)
+        if first in ONE_DOCUMENT:
+            path = f"pages/{first}/index.html"
         response = await super().get_response(f"pages/{path}" if first in PAGES else path, scope)
         if isinstance(response, FileResponse) and response.media_type == "text/html":
             return await run_in_threadpool(self._document, Path(response.path), scope)

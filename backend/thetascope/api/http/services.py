@@ -6,6 +6,7 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
+from thetascope.classroom.rooms import Rooms
 from thetascope.live.scheduling.hub import Hub
 from thetascope.runs.jobs.manager import RunManager
 from thetascope.runs.notebook.notebook import Notebook
@@ -24,7 +25,7 @@ PRELOADED = ("sympy", "thetascope.live.session.session", "thetascope.assembly.an
 
 @dataclass(frozen=True)
 class Services:
-    """The settings, workers, runs, their notebook, live sessions, records, saved plants, and the store's database."""
+    """The settings, workers, runs, their notebook, sessions, records, plants, classrooms, and the store's database."""
 
     settings: Settings
     workers: Workers
@@ -34,6 +35,7 @@ class Services:
     records: RecordFiles
     my_plants: MyPlants
     notebook: Notebook
+    rooms: Rooms
 
     @classmethod
     def start(
@@ -57,7 +59,7 @@ class Services:
         notebook.begin()
         runs.resume()
         plants = MyPlants(PlantStore(database), settings.plant_limit)
-        return cls(settings, workers, runs, Hub(settings, workers), database, records, plants, notebook)
+        return cls(settings, workers, runs, Hub(settings, workers), database, records, plants, notebook, Rooms())
 
     def with_record(self, spec: ResolvedExperiment) -> ResolvedExperiment:
         """Return an experiment with the file of its record, if it has one. Raises Unknown for no such record."""
@@ -70,6 +72,7 @@ class Services:
 
     def close(self) -> None:
         """End all sessions and computations, and close the run manager and the store."""
+        self.rooms.stop()
         self.live.stop()
         self.end_computations()
         self.runs.close()

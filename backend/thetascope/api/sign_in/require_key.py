@@ -1,4 +1,5 @@
-"""The middleware that admits requests. Whatever it lets pass has a principal; all addresses are closed but OPEN.
+"""The middleware that admits requests. Whatever it lets pass has a principal; all addresses are closed but OPEN, and
+those of guests.py, for students in a classroom.
 
 A link with the key (`/?key=…`) is answered with a cookie and a redirect to the same address without the key, which so
 stays in no address, history or referrer. The key in the address of the REST interface is not accepted.
@@ -23,6 +24,7 @@ from thetascope.api.http.browser_security import close_socket
 from thetascope.api.http.language import language_of
 from thetascope.api.http.problems import problem_response
 from thetascope.api.operation.request_log import audit
+from thetascope.api.sign_in.guests import MOST_SOCKETS, guest, is_for_guests
 from thetascope.api.sign_in.open_sockets import OpenSockets
 from thetascope.api.sign_in.presented import is_https, presented
 from thetascope.api.sign_in.sign_in_page import sign_in_page
@@ -83,6 +85,8 @@ class RequireKey:
             return await self._sign_in(request, shown, admitted)
         if path == LEAVE and request.method == "POST":
             return self._signed_out(request)
+        if not isinstance(admitted, Principal) and is_for_guests(request.method, path):
+            admitted = guest(shown.address)
         if isinstance(admitted, Principal):
             assign(request.scope, admitted)
             return None
@@ -176,12 +180,15 @@ class RequireKey:
         except KeyFileError as error:
             log.error("%s", error)
             admitted = Refused.NO_KEY
+        as_guest = isinstance(admitted, Refused) and is_for_guests("WEBSOCKET", scope["path"])
+        if as_guest:
+            admitted = guest(shown.address)
         if isinstance(admitted, Refused):
             if admitted is Refused.WRONG_KEY:
                 await self._slowed(shown)
             await close_socket(websocket, CLOSE_SIGN_IN, Message(admitted.value))
             return
-        most = limits_of(self._settings, admitted).sockets
+        most = MOST_SOCKETS if as_guest else limits_of(self._settings, admitted).sockets
         if not self._sockets.may_open(admitted.client, most):
             await close_socket(websocket, CLOSE_SOCKETS, Message("client.sockets", n=most))
             return
@@ -191,7 +198,7 @@ class RequireKey:
             await send({"type": "websocket.close", "code": CLOSE_SIGN_IN, "reason": why})
 
         assign(scope, admitted)
-        with self._sockets.opened(admitted.client, None if admitted.is_machine else end):
+        with self._sockets.opened(admitted.client, None if admitted.is_machine or as_guest else end):
             await self._app(scope, receive, send)
 
 

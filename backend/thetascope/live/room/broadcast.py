@@ -1,6 +1,7 @@
 """Sending rows, events and messages to all viewers: rows shown so far, in frames that are encoded once for all."""
 
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 from pydantic import BaseModel
@@ -18,6 +19,22 @@ MAX_FRAME = 256 * 1024
 _KEPT = 256  # shown rows that are kept for viewers that are slightly late
 
 
+class Tap(Protocol):
+    """Takes the rows of a session that are shown, as they are sent to viewers."""
+
+    def frame(self, data: bytes) -> None:
+        """Take a frame: rows that are shown now."""
+        ...
+
+    def restarted(self) -> None:
+        """Note that columns or past rows have changed."""
+        ...
+
+    def closed(self) -> None:
+        """Note that the session has ended."""
+        ...
+
+
 class Broadcast:
     """What the viewers of a session are sent.
 
@@ -33,6 +50,7 @@ class Broadcast:
         self._set_columns(columns)
         self.epoch = 0
         self.viewers: list[Viewer] = []
+        self.taps: list[Tap] = []
         self._numbers = FrameNumbers()
         self._buffer = FrameBuffer(shown, len(columns))
         self._following: RowBatch | None = None  # the first rows after a change of columns that is not shown yet
@@ -97,6 +115,8 @@ class Broadcast:
             self._latest = Span(first, last), self.epoch, data
             for viewer in self.viewers:
                 viewer.frame(data, first, last)
+            for tap in self.taps:
+                tap.frame(data)
         if self._following is not None:
             self._switch()
 
@@ -162,6 +182,8 @@ class Broadcast:
         self.shown = row
         self._set_columns(columns)
         self._buffer.clear(row, len(columns))
+        for tap in self.taps:
+            tap.restarted()
 
     def _set_columns(self, columns: tuple[str, ...]) -> None:
         self.columns = columns

@@ -14,7 +14,7 @@ import numpy as np
 from thetascope.diagnosis.yield_points import Steps
 from thetascope.live.facts.facts_publisher import FactsPublisher
 from thetascope.live.room.background_checks import BackgroundChecks
-from thetascope.live.room.broadcast import Broadcast
+from thetascope.live.room.broadcast import Broadcast, Tap
 from thetascope.live.room.command_handler import CommandHandler
 from thetascope.live.room.playback_clock import MeasuredSpeed, PlaybackClock
 from thetascope.live.room.prefetch import Prefetcher
@@ -117,10 +117,7 @@ class Room:
         """
         if len(self.broadcast.viewers) >= self.services.viewers:
             raise RoomFull
-        if self.machine.asleep:
-            self.playback.anchor(self.shown, self.services.clock())
-            self.machine.fire(Transition.WAKE)
-            self.clock_started()
+        self._wake()
         viewer.outbox.row = self.broadcast.rows_after(after)
         viewer.send(self._hello(viewer))
         self.broadcast.viewers.append(viewer)
@@ -129,6 +126,30 @@ class Room:
         self.checks.check(0.0)
         if self.session.pending_detection() is not None:  # the last rows before an opening in the middle, paused
             self.request_detection()
+
+    def attach(self, tap: Tap) -> None:
+        """Add a tap: time runs for it as for a viewer, but it is sent rows only."""
+        self._wake()
+        self.broadcast.taps.append(tap)
+        self.empty_since = None
+        if self.session.pending_detection() is not None:
+            self.request_detection()
+
+    def detach(self, tap: Tap) -> None:
+        """Remove a tap."""
+        if tap in self.broadcast.taps:
+            self.broadcast.taps.remove(tap)
+        self._note_empty()
+
+    def _wake(self) -> None:
+        if self.machine.asleep:
+            self.playback.anchor(self.shown, self.services.clock())
+            self.machine.fire(Transition.WAKE)
+            self.clock_started()
+
+    def _note_empty(self) -> None:
+        if not self.broadcast.viewers and not self.broadcast.taps:
+            self.empty_since = self.services.clock()
 
     def _hello(self, viewer: Viewer) -> Hello:
         return Hello(
@@ -157,8 +178,7 @@ class Room:
             self.broadcast.viewers.remove(viewer)
             self.commands.left(viewer)
             self.send_status()
-        if not self.broadcast.viewers:
-            self.empty_since = self.services.clock()
+        self._note_empty()
 
     async def samples(self, viewer: Viewer) -> bytes | None:
         """Return the next frame of the rows that a viewer has missed; None if it has all."""
@@ -181,6 +201,8 @@ class Room:
         self.queue.submit(self.session.release, lambda *_: None)  # its memory; the room waits for the garbage collector
         for viewer in list(self.broadcast.viewers):
             viewer.close(code, reason)
+        for tap in list(self.broadcast.taps):
+            tap.closed()
 
     # ---- the past, copies --------------------------------------------------------------------------------------------
 
