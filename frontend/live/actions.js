@@ -1,5 +1,6 @@
 // Actions that are more than one command (README.md lists them).
 
+import {noteActions} from './notes/note-actions.js';
 import {picture} from './scope/figure.js';
 import {seconds} from '../widgets/number-format.js';
 import * as permalink from './state/permalink.js';
@@ -17,7 +18,12 @@ const PRESENTED = 'thetascope.presentation'; // of this tab: the page comes back
  * @param {SessionLink} link
  * @returns {Actions}
  */
-export const actions = (app, link) => ({...transport(app, link), ...sessions(app, link), ...looks(app)});
+export const actions = (app, link) => ({
+  ...transport(app, link),
+  ...sessions(app, link),
+  ...looks(app),
+  notes: noteActions(app, (command) => ask(app, command)),
+});
 
 /** @param {App} app @param {Partial<State>} values */
 const set = (app, values) => app.store.dispatch({type: 'set', ...values});
@@ -116,7 +122,7 @@ function sessions(app, link) {
 
 /**
  * @param {App} app
- * @returns {Omit<Actions, keyof ReturnType<typeof transport> | keyof ReturnType<typeof sessions>>}
+ * @returns {Omit<Actions, 'notes' | keyof ReturnType<typeof transport> | keyof ReturnType<typeof sessions>>}
  */
 function looks(app) {
   return {
@@ -210,6 +216,7 @@ export async function addressOf(app) {
   const t = app.samples.now;
   if (!state.spec) return location.search + location.hash;
   const base = state.experiment ? await library(state.experiment) : null;
-  const untouched = base !== null && state.begunPlain && !state.log.some((event) => DONE.has(event.kind));
+  const untouched =
+    base !== null && state.begunPlain && !state.spec.notes.length && !state.log.some((event) => DONE.has(event.kind));
   return permalink.write({spec: untouched ? base : state.spec, t, experiment: state.experiment, base});
 }

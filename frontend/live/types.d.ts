@@ -44,6 +44,8 @@ export type BatchCommand = WithoutId<service.Batch['commands'][number]>;
 export type Command =
   WithoutId<Exclude<service.ClientMessage, service.Batch>> | {type: 'batch'; commands: BatchCommand[]};
 
+export type Note = service.Note;
+
 export type Language = 'en' | 'zh';
 export type Theme = 'light' | 'dark';
 export type Connection = 'starting' | 'live' | 'reconnecting' | 'ended' | 'full' | 'failed';
@@ -167,6 +169,8 @@ export interface State {
   /** Why there is no session. */
   problem: {title: string; detail: string} | null;
   notice: NoticeLine | null;
+  /** The note whose text is being changed, a new one or one of the session. */
+  noting: Note | null;
   /**
    * The step of a lesson that is shown, whether true states and faults, and the diagnosis, are visible in it, a level on
    * one of its strips, and the time until which it will run; null where it has run.
@@ -263,6 +267,21 @@ export interface Actions {
   language(language: Language): Promise<void>;
   tell(message: Message | string, how?: {kind?: NoticeLine['kind']; action?: NoticeLine['action']}): void;
   refused(error: unknown): void;
+  notes: {
+    /** Ask for the text of a new note at the moment that is shown. */
+    begin(): void;
+    /** Ask for the text of a note of the session. */
+    edit(note: Note): void;
+    /** Ask no longer. */
+    close(): void;
+    /** Add a note, or change the one that has its id. False: it was refused, and the notice says why. */
+    keep(note: Note): Promise<boolean>;
+    /** Remove a note; for a while this can be undone. */
+    remove(note: Note): Promise<void>;
+    /** Look at its moment. */
+    visit(note: Note): void;
+    find(id: string): Note | null;
+  };
   figure(what?: {strip?: string | null; format?: 'png' | 'svg'}): Promise<Blob>;
 }
 

@@ -24,6 +24,14 @@ export interface Ack {
   t: number;
 }
 
+/** Add a note at the present time or an earlier one, or replace the note that has its id. No row changes. */
+export interface AddNote {
+  /** Number of the command, chosen by the client. */
+  id: number;
+  type: 'add-note';
+  note: NoteInput;
+}
+
 /** Add an observer, whose estimates start at that time. */
 export interface AddObserver {
   /** Time in s at which it takes effect, a multiple of the step. */
@@ -174,7 +182,7 @@ export interface Batch {
   id: number;
   type: 'batch';
   /** The commands without ids; a refusal names commands[i].field. */
-  commands: (Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | SetTruthNow | AddObserverNow | RemoveObserverNow | Reset)[];
+  commands: (Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | SetTruthNow | AddObserverNow | RemoveObserverNow | AddNote | RemoveNote | Reset)[];
 }
 
 /** Calibration of the thresholds by simulation. */
@@ -294,7 +302,7 @@ export interface Clear {
   output?: string | null;
 }
 
-export type ClientMessage = Play | Pause | Step | Speed | Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | SetTruthNow | AddObserverNow | RemoveObserverNow | Reset | Seek | Batch;
+export type ClientMessage = Play | Pause | Step | Speed | Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | SetTruthNow | AddObserverNow | RemoveObserverNow | AddNote | RemoveNote | Reset | Seek | Batch;
 
 /** How columns become the time and the quantities of a plant; what is not given is guessed. */
 export interface ColumnMapping {
@@ -952,6 +960,8 @@ export interface Experiment {
   /** Settings of the diagnosis. */
   diagnosis: DiagnosisSettings;
   figures: (Figure)[];
+  /** Notes and bookmarks on the time of the run. */
+  notes: (Note)[];
 }
 
 /** Everything that determines a run. The same spec gives the same numbers, bit for bit. */
@@ -997,6 +1007,8 @@ export interface ExperimentInput {
   /** Settings of the diagnosis. */
   diagnosis?: DiagnosisSettingsInput;
   figures?: (FigureInput)[];
+  /** Notes and bookmarks on the time of the run. */
+  notes?: (NoteInput)[];
 }
 
 /** An experiment in a list. */
@@ -1895,6 +1907,24 @@ export interface NoiseSignalInput {
   seed?: number;
   /** Mean value, in the signal's unit. */
   offset?: number;
+}
+
+/** A note at a moment of the experiment; without a text it is a bookmark. */
+export interface Note {
+  /** Id, which no other note of the experiment has. */
+  id: string;
+  /** The moment, time in s. */
+  t: number;
+  text: string;
+}
+
+/** A note at a moment of the experiment; without a text it is a bookmark. */
+export interface NoteInput {
+  /** Id, which no other note of the experiment has. */
+  id: string;
+  /** The moment, time in s. */
+  t: number;
+  text?: string;
 }
 
 /** One equation of an observer as MathML, with its number in the paper. */
@@ -3147,6 +3177,15 @@ export interface Refused {
   remedy: string;
 }
 
+/** Remove a note. */
+export interface RemoveNote {
+  /** Number of the command, chosen by the client. */
+  id: number;
+  type: 'remove-note';
+  /** Id of the note. */
+  note: string;
+}
+
 /** Remove an observer. */
 export interface RemoveObserver {
   /** Time in s at which it takes effect, a multiple of the step. */
@@ -3448,7 +3487,7 @@ export interface SeatView {
   vote: number | null;
 }
 
-/** Go back to an earlier time. Rows and commands after it are discarded; fork first to keep them. */
+/** Go back to an earlier time. Rows, commands and notes after it are discarded; fork first to keep them. */
 export interface Seek {
   /** Number of the command, chosen by the client. */
   id: number;

@@ -49,6 +49,8 @@ STATES = {
         "#scope",
     ),
     "the full comparison": ("thetascope.act.table(true)", "thetascope.act.table(false)", ".centre"),
+    "a note": ("document.querySelector('.flag').focus()", "document.activeElement.blur()", ".bar, #panel-log"),
+    "a note being written": ("thetascope.act.notes.begin()", "thetascope.act.notes.close()", ".bar"),
     "looking back": ("thetascope.act.look(1)", "thetascope.act.look(null)", "#scope, .bar, .choice"),
     "zoomed, with a notice": (
         "thetascope.act.select(0.2, 0.8); thetascope.act.tell('a word')",
@@ -79,9 +81,11 @@ def with_faults(page, path: str, **more):
       await thetascope.send({type: 'inject', fault: {channel: channel.name, shape: 'step', onset: 0,
         size: channel.typical}});
       await thetascope.send({type: 'inject', fault: {output: output.name, shape: 'freeze', onset: 0}});
+      await thetascope.send({type: 'add-note', note: {id: 'noted', t: 1, text: 'what is seen here. '.repeat(20)}});
       await thetascope.send({type: 'step', rows: 300});
     }""")
     until(live, "thetascope.samples.rows >= thetascope.state.row && thetascope.state.faults.length > 1")
+    until(live, "document.querySelector('.flag')")
     rested(live)
     live.evaluate(AXE)
     return live

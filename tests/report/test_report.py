@@ -118,6 +118,7 @@ def test_markup_in_user_text_stays_text(experiment, result, plant):
         description=HOSTILE,
         source=HOSTILE,
         errata=[HOSTILE],
+        notes=[{"id": "one", "t": 1, "text": HOSTILE}],
         plant=hostile_plant,
         figures=[{"name": "f", "title": HOSTILE, "caption": HOSTILE, "panels": [panel]}],
     )
@@ -321,6 +322,15 @@ def test_the_text_of_a_message_is_escaped_and_its_markup_is_kept(experiment, res
     sentence = own.say("report.diverged", label=HOSTILE, t=mark("power", "1", "3"), cause="\x000\x00")
     assert "1·10<sup>3</sup>" in sentence and "<script" not in sentence and "<img" not in sentence
     assert own.say("report.detail", name="<b>", value=Markup("<i>x</i>")) == "&lt;b&gt; <i>x</i>"
+
+
+def test_notes_and_bookmarks_are_listed_in_order_of_time(experiment, result, plant):
+    """With their moments; a note without a text is a bookmark."""
+    spec = experiment(notes=[{"id": "b", "t": 4.25, "text": "It settles."}, {"id": "a", "t": 1.5}])
+    text = " ".join(Page(report(result(spec), spec, plant, {})).text)
+    assert (
+        text.index("Notes and bookmarks") < text.index("Bookmark at 1.5 s") < text.index("Note at 4.25 s: It settles.")
+    )
 
 
 def test_no_markup_is_written_in_python():

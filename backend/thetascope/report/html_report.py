@@ -25,6 +25,7 @@ from thetascope.report.observers_section import observers
 from thetascope.report.plant_section import plant_section, timeline
 from thetascope.report.record_section import record
 from thetascope.report.words import ReportContext, mark, number
+from thetascope_schemas.experiment.figures import Note
 from thetascope_schemas.service.record_diagnosis import RecordDiagnosis
 from thetascope_schemas.texts.local_text import ALL
 
@@ -104,6 +105,7 @@ def report(result, spec, plant, run_meta: Mapping[str, Any], language: str = "en
         errata=[own.text(text) for text in spec.errata],
         plant=plant_section(own),
         timeline=timeline(own),
+        marks=[_mark(own, note) for note in sorted(spec.notes, key=lambda note: note.t)],
         diagnosis=diagnosis(own, found, observability(spec.with_plant(plant))) if found else "",
         record=record(own, RecordDiagnosis.model_validate(result.record)) if result.record else "",
         figures=[drawn["layout"]["meta"] for drawn in figures],
@@ -116,6 +118,13 @@ def report(result, spec, plant, run_meta: Mapping[str, Any], language: str = "en
         style=Markup(_asset("report.css")),  # these two are files of this package
         script=Markup(_asset("report.js")),
     )
+
+
+def _mark(own: ReportContext, note: Note) -> Markup:
+    """Return a note of the session or the experiment, or a bookmark, with its time."""
+    if not note.text:
+        return own.say("report.bookmark", t=number(note.t, 6))
+    return own.say("report.own-note", t=number(note.t, 6), text=note.text)
 
 
 def _alarms(own: ReportContext) -> list[Markup]:

@@ -27,7 +27,7 @@ export function mountKeys(lesson) {
   );
 }
 
-const OTHERS = new Set(['F', 'C', 'E', 'P', 'S', ' ', '.', 'HOME', 'END', '+', '-', '=']);
+const OTHERS = new Set(['F', 'C', 'E', 'N', 'P', 'S', ' ', '.', 'HOME', 'END', '+', '-', '=']);
 
 /**
  * @param {Lesson} lesson

@@ -1,10 +1,12 @@
-// The log of the session; a click shows that moment in the scope.
+// The log of the session, and its notes; a click shows that moment in the scope.
 
 import {childrenOf, fill, h} from '../../common/dom.js';
 import {wholeLines} from '../../widgets/whole-lines.js';
-import {heading} from '../../widgets/controls.js';
+import {heading, link} from '../../widgets/controls.js';
 import {icon} from '../../widgets/svg.js';
 import {lines} from '../ui/event-words.js';
+import {noteLine} from '../notes/note-line.js';
+import {notesOf} from '../notes/note-words.js';
 import {t} from '../../i18n/words.js';
 
 /** @import {App} from '../types.js' */
@@ -19,12 +21,19 @@ export function mount(element, app) {
   const build = () => {
     lineOf = new WeakMap();
     list.setAttribute('aria-label', t('page.log.title'));
-    fill(element, heading(t('page.log.title')), list, more);
+    const add = link(t('page.notes.add'), () => app.act.notes.begin(), {
+      class: 'link control-only',
+      title: t('page.transport.note'),
+    });
+    fill(element, heading(t('page.log.title'), add), list, more);
     update();
   };
   const update = () => {
-    const entries = lines(app.state.log, app.state.plant, signs);
-    fill(list, entries.length ? entries.map(kept) : h('li', {class: 'soft'}, t('page.log.empty')));
+    const entries = [
+      ...notesOf(app.state).map((note) => ({t: note.t, line: () => noteLine(note, app)})),
+      ...lines(app.state.log, app.state.plant, signs).map((one) => ({t: one.t, line: () => kept(one)})),
+    ].sort((a, b) => b.t - a.t); // the order of lines of one time stays
+    fill(list, entries.length ? entries.map((entry) => entry.line()) : h('li', {class: 'soft'}, t('page.log.empty')));
   };
   /** @param {Line} one */
   const kept = (one) => {
@@ -69,5 +78,5 @@ export function mount(element, app) {
     () => {},
   );
   app.subscribe((state) => [state.language, state.session], build);
-  app.subscribe((state) => state.log, update);
+  app.subscribe((state) => [state.log, state.spec?.notes], update);
 }

@@ -190,6 +190,7 @@ const own = {
     band: null,
     site: null,
     problem: null,
+    noting: null,
     ended: false,
     row: 0,
     t: 0,

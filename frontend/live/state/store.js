@@ -55,6 +55,7 @@ export const initial = Object.freeze({
   language: 'en',
   problem: null,
   notice: null,
+  noting: null,
   lesson: null,
 });
 

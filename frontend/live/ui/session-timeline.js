@@ -7,6 +7,7 @@ import {marks, niceStep} from '../scope/axes.js';
 import {palette} from '../scope/canvas.js';
 import {hatch} from '../scope/hatch.js';
 import {seconds} from '../../widgets/number-format.js';
+import {mountFlags} from '../notes/note-flags.js';
 import {lines} from './event-words.js';
 import {stand, watchRoom} from './free-place.js';
 import {t} from '../../i18n/words.js';
@@ -96,6 +97,7 @@ export function mountTimeline(root, app) {
   app.onFrame(() => draw(timeline));
   app.onTick(() => speak(timeline));
   listen(timeline);
+  mountFlags(root, app, () => reach(timeline));
 }
 
 /**

@@ -1,4 +1,4 @@
-// Play, pause, step, back to the start, fork, speed, and the clock.
+// Play, pause, step, back to the start, fork, a note, speed, and the clock.
 
 import {fill, h} from '../../common/dom.js';
 import {seconds, SPEEDS, times} from '../../widgets/number-format.js';
@@ -10,6 +10,7 @@ const ICONS = {
   start: ['M3.5 3v10M12.5 3.5v9L6 8z'],
   step: ['M3.5 3.5v9L10 8zM12.5 3v10'],
   fork: ['M8 13.5V9M8 9C8 6 4 7 4 3.5M8 9c0-3 4-2 4-5.5'],
+  note: ['M4 14V2.500h8L10 5.500l2 3H4'],
   play: ['M5 3l8 5-8 5z', true],
   pause: ['M5.500 3.500v9M10.500 3.500v9'],
 };
@@ -41,6 +42,7 @@ export function mountTransport(root, app) {
   const start = button('start', () => app.act.reset());
   const step = button('step', () => app.act.step(1));
   const fork = button('fork', () => app.act.fork());
+  const note = button('note', () => app.act.notes.begin());
   const play = h('button', {type: 'button', class: 'play', 'data-act': 'play', onclick: () => app.act.toggle()});
   /** @type {HTMLSelectElement} */
   const speed = h('select', {
@@ -49,7 +51,7 @@ export function mountTransport(root, app) {
   });
   const figures = h('span', {class: 'digits'});
   const clock = h('div', {class: 'clock', role: 'timer'}, figures, h('small', {}, 's'));
-  fill(root, start, step, play, fork, speed, clock);
+  fill(root, start, step, play, fork, note, speed, clock);
 
   app.subscribe(
     (state) => [state.language, state.role, state.session, state.connection, state.ended, state.playing, state.speed],
@@ -59,11 +61,12 @@ export function mountTransport(root, app) {
       name(start, t('page.transport.start'));
       name(step, t('page.transport.step'));
       name(fork, t('page.transport.fork'));
+      name(note, t('page.transport.note'));
       name(speed, t('page.transport.speed'));
       clock.title = t('page.transport.clock');
       name(play, state.playing ? t('page.transport.pause') : t('page.transport.play'));
       fill(play, icon(state.playing ? 'pause' : 'play', 16));
-      for (const element of [start, speed]) element.disabled = !touch;
+      for (const element of [start, note, speed]) element.disabled = !touch;
       for (const element of [step, play]) element.disabled = !touch || state.ended;
       fork.disabled = state.connection !== 'live';
       showSpeeds(speed, state.speed);

@@ -2,6 +2,7 @@
 
 import {asTyped} from './address.js';
 import {h, number} from '../../common/dom.js';
+import {pack} from '../../live/state/permalink.js';
 import {language, t} from '../../i18n/words.js';
 
 /** @import {Properties} from '../../types/dom.js' */
@@ -24,6 +25,11 @@ export function downloads({run, chosen, foreign, ranWith}) {
     h(
       'p',
       {class: 'links'},
+      h(
+        'button',
+        {type: 'button', class: 'quiet', title: t('page.runs.open-live.hint'), onclick: () => openLive(run)},
+        t('page.runs.open-live'),
+      ),
       link('CSV', data('csv'), {download: ''}),
       link('MATLAB .mat', data('mat'), {download: ''}),
       link('JSON', data('json'), {download: ''}),
@@ -52,6 +58,14 @@ export function downloads({run, chosen, foreign, ranWith}) {
       seconds ? t('page.runs.took', {seconds: number(seconds, 2)}) : '',
     ),
   ];
+}
+
+/**
+ * Open a session that has done all of a run, and is paused at its end; the record of one is replayed from its start.
+ * @param {Run} run
+ */
+async function openLive({spec}) {
+  location.assign(`/#s=${await pack({spec, t: spec.truth.record ? 0 : spec.horizon})}`);
 }
 
 /** @param {string} word */

@@ -28,6 +28,7 @@ export function mountSide(root, store) {
       run?.summary && troubles(run.summary),
       observers.length > 0 && card(t('page.comparison.title'), comparison(observers, plant)),
       observers.some((one) => one.checks.length) && card(t('page.observers.assumptions'), observers.map(assumptions)),
+      ownNotes(run?.spec ?? spec),
       spec.errata.length > 0 &&
         card(
           t('page.runs.errata'),
@@ -40,6 +41,20 @@ export function mountSide(root, store) {
       run && card(t('page.runs.downloads'), downloads({...state, run})),
     );
   });
+}
+
+/**
+ * The notes and bookmarks that were set on the time of the run.
+ * @param {Pick<service.Experiment, 'notes'>} spec
+ */
+function ownNotes({notes}) {
+  if (notes.length === 0) return null;
+  const lines = [...notes]
+    .sort((a, b) => a.t - b.t)
+    .map(({t: at, text}) =>
+      h('li', {}, text ? t('page.notes.line', {t: number(at, 6), text}) : t('page.notes.bookmark', {t: number(at, 6)})),
+    );
+  return card(t('page.notes.label'), h('ul', {class: 'own-notes'}, lines));
 }
 
 /**

@@ -29,7 +29,7 @@ from thetascope_schemas.experiment.commands import AddObserver, OfTruth, SetTrut
 from thetascope_schemas.experiment.controllers import check_multiple, set_reference
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 from thetascope_schemas.experiment.faults import Fault
-from thetascope_schemas.experiment.figures import Figure
+from thetascope_schemas.experiment.figures import Figure, Notes
 from thetascope_schemas.experiment.measurement import ContinuousMeasurement, Noise, SampledMeasurement, Truth
 from thetascope_schemas.experiment.observers import ObserverConfig
 from thetascope_schemas.experiment.plant import Plant, check_within
@@ -89,8 +89,9 @@ class Experiment(Strict):
         observers=[{"label": "adaptive", "kind": "zhao-adaptive"}],
         diagnosis={"false_alarms": 0.01},
         figures=[],
+        notes=[{"id": "overshoot", "t": 45.3, "text": "The EKF overshoots here."}],
     )
-    prose = Strict.prose | {"id", "errata", "figures"}
+    prose = Strict.prose | {"id", "errata", "figures", "notes"}
 
     id: Identifier = "experiment"
     title: Title = ""
@@ -144,6 +145,7 @@ class Experiment(Strict):
     )
     diagnosis: DiagnosisSettings = Field(default_factory=DiagnosisSettings, description="Settings of the diagnosis.")
     figures: tuple[Figure, ...] = Field(default=(), max_length=24)
+    notes: Notes = Field(default=(), description="Notes and bookmarks on the time of the run.")
 
     @property
     def record_every(self) -> int:
@@ -189,9 +191,9 @@ class Experiment(Strict):
 
         Defaults are filled in; with an inline plant, these include its parameters, initial states, inputs and signals.
         1 and 1.0, 0.0 and -0.0, and different runs of blanks in text are the same. Omitted, because no number depends
-        on them, are id, title, description, source, errata and figures of the experiment, and id, titles, descriptions,
-        sources and units of an inline plant. The id of a library plant is kept: call `with_plant` before hashing, so
-        that the hash depends on the plant's equations and not on its name.
+        on them, are id, title, description, source, errata, figures and notes of the experiment, and id, titles,
+        descriptions, sources and units of an inline plant. The id of a library plant is kept: call `with_plant` before
+        hashing, so that the hash depends on the plant's equations and not on its name.
         """
         filled: dict[str, object] = {
             name: getattr(self, name) for name in type(self).model_fields if name not in self.prose
@@ -288,6 +290,7 @@ class Experiment(Strict):
         for field, names in (
             ("observers[{}].label", [item.label for item in self.observers]),
             ("figures[{}].name", [item.name for item in self.figures]),
+            ("notes[{}].id", [item.id for item in self.notes]),
         ):
             for index, name in enumerate(names):
                 if name in names[:index]:

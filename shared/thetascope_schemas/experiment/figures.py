@@ -1,11 +1,15 @@
-"""Figures of an experiment: the columns of the result to draw, and their style."""
+"""Figures of an experiment (the columns to draw, and their style) and notes on its time. No number depends on them."""
 
 from collections.abc import Iterator
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
-from thetascope_schemas.experiment.base import Flag, Prose, Strict, Title, example
+from thetascope_schemas.experiment.base import Flag, Identifier, Instant, Prose, Strict, Title, example
+from thetascope_schemas.texts.one_line import one_line
+
+MAX_NOTES = 100
+MAX_NOTE = 500  # characters
 
 Column = Annotated[str, Field(min_length=1, max_length=100)]
 
@@ -67,3 +71,17 @@ class Figure(Strict):
                 yield f"panels[{index}].traces[{number}].column", trace.column
                 if trace.minus is not None:
                     yield f"panels[{index}].traces[{number}].minus", trace.minus
+
+
+class Note(Strict):
+    """A note at a moment of the experiment; without a text it is a bookmark."""
+
+    model_config = example(id="overshoot", t=45.3, text="The EKF overshoots here.")
+
+    id: Identifier = Field(description="Id, which no other note of the experiment has.")
+    t: Instant = Field(description="The moment, time in s.")
+    text: Annotated[str, AfterValidator(one_line)] = Field(default="", max_length=MAX_NOTE)
+
+
+Notes = Annotated[tuple[Note, ...], Field(max_length=MAX_NOTES)]
+"""All notes of an experiment."""

@@ -24,11 +24,12 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, JsonValue
 
-from thetascope_schemas.experiment.base import Instant, Number, Reference, Strict, example
+from thetascope_schemas.experiment.base import Identifier, Instant, Number, Reference, Strict, example
 from thetascope_schemas.experiment.commands import GainChange, NoiseChange, SignalChange, TruthChange
 from thetascope_schemas.experiment.diagnosis import ObserverDiagnosis
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.faults import Fault
+from thetascope_schemas.experiment.figures import Note
 from thetascope_schemas.experiment.observers import Label, ObserverConfig
 from thetascope_schemas.service.event import Event
 from thetascope_schemas.service.facts import EXAMPLE, Facts
@@ -158,11 +159,27 @@ class Reset(Command):
 
 
 class Seek(Command):
-    """Go back to an earlier time. Rows and commands after it are discarded; fork first to keep them."""
+    """Go back to an earlier time. Rows, commands and notes after it are discarded; fork first to keep them."""
 
     model_config = example(type="seek", id=13, t=20.0)
     type: Literal["seek"] = "seek"
     t: Instant = Field(description="Time in s, rounded to a row, at most the present time.")
+
+
+class AddNote(Command):
+    """Add a note at the present time or an earlier one, or replace the note that has its id. No row changes."""
+
+    model_config = example(type="add-note", id=16, note={"id": "overshoot", "t": 12.5, "text": "The EKF overshoots."})
+    type: Literal["add-note"] = "add-note"
+    note: Note
+
+
+class RemoveNote(Command):
+    """Remove a note."""
+
+    model_config = example(type="remove-note", id=17, note="overshoot")
+    type: Literal["remove-note"] = "remove-note"
+    note: Identifier = Field(description="Id of the note.")
 
 
 def unnumbered(command: object) -> object:
@@ -174,15 +191,17 @@ SpecCommand = (
     Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | SetTruthNow | AddObserverNow | RemoveObserverNow
 )
 """The commands that change the experiment from the present row on."""
+NoteCommand = AddNote | RemoveNote
+"""The commands that change the experiment's notes, and none of its numbers."""
 
 BatchMember = Annotated[
     Annotated[
-        SpecCommand | Reset,
+        SpecCommand | NoteCommand | Reset,
         Field(discriminator="type"),
     ],
     BeforeValidator(unnumbered),
 ]
-"""A command of a batch, without an id: one that changes the experiment, or Reset."""
+"""A command of a batch, without an id: one that changes the experiment or its notes, or Reset."""
 
 
 class Batch(Command):
@@ -202,7 +221,7 @@ class Batch(Command):
     )
 
 
-SessionCommand = SpecCommand | Reset | Seek | Batch
+SessionCommand = SpecCommand | NoteCommand | Reset | Seek | Batch
 """The commands that change the session; the others control its clock."""
 
 ClientMessage = Annotated[
@@ -218,6 +237,8 @@ ClientMessage = Annotated[
     | SetTruthNow
     | AddObserverNow
     | RemoveObserverNow
+    | AddNote
+    | RemoveNote
     | Reset
     | Seek
     | Batch,

@@ -154,7 +154,7 @@ def test_marks_are_explained(tab):
         opened.evaluate(f"{APP}.act.language('{language}')")
         opened.keyboard.press("?")
         opened.wait_for_selector(".marks-list tr")
-        assert opened.locator(".marks-list tr").count() == 13 and words in opened.inner_text(".marks-list")
+        assert opened.locator(".marks-list tr").count() == 14 and words in opened.inner_text(".marks-list")
         opened.keyboard.press("Escape")
 
 

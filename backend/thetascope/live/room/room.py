@@ -239,7 +239,9 @@ class Room:
         """Return the experiment with everything done so far, up to now: its run gives the same numbers."""
         spec, t = self.session.spec, self.t
         commands = tuple(command for command in spec.commands if command.at <= t)
-        return spec.model_copy(update={"horizon": t, "record": self.session.record, "commands": commands})
+        notes = tuple(note for note in spec.notes if note.t <= t + 0.5 * self.session.record)
+        end = {"horizon": t, "record": self.session.record}
+        return spec.model_copy(update=end | {"commands": commands, "notes": notes})
 
     # ---- time --------------------------------------------------------------------------------------------------------
 

@@ -13,7 +13,7 @@ from thetascope.live.session.gain_moves import check_moves
 from thetascope.live.session.session_state import SessionState
 from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.experiment.commands import AddObserver
-from thetascope_schemas.service.session import Clear, Event, Inject, SetGainNow, SpecCommand
+from thetascope_schemas.service.session import AddNote, Clear, Event, Inject, NoteCommand, SetGainNow, SpecCommand
 
 
 def change(state: SessionState, command: SpecCommand) -> tuple[SessionState, Event]:
@@ -47,6 +47,22 @@ def _changed(state: SessionState, command: SpecCommand) -> SessionState:
             check_moves(state.experiment, command)
         spec, here = edits.with_command(state.spec, command, state.t, untimed)
     return adopt(state, spec, here, untimed)
+
+
+def annotate(state: SessionState, command: NoteCommand) -> SessionState:
+    """Return the state with a note added, replaced or removed; rows, stages and log are as they were.
+
+    Raises:
+        SpecError: the command is refused.
+    """
+    if isinstance(command, AddNote):
+        spec = edits.with_note(state.spec, command.note, state.t, 0.5 * state.setup.record)
+    else:
+        spec = edits.without_note(state.spec, command.note)
+    known = state.untimed
+    if known is not None and known[0] is state.spec:  # the same, whatever the notes say
+        state = replace(state, untimed=(spec, *known[1:]))
+    return replace(state, spec=spec)
 
 
 def note(state: SessionState, event: Event) -> tuple[SessionState, Event]:

@@ -18,6 +18,7 @@ from thetascope_schemas.experiment.commands import (
     points_in,
 )
 from thetascope_schemas.experiment.faults import Fault
+from thetascope_schemas.experiment.figures import MAX_NOTES, Note
 from thetascope_schemas.service.session import (
     AddObserverNow,
     Clear,
@@ -142,6 +143,38 @@ def _replaces(command: TimedCommand, other: TimedCommand) -> bool:
     return False
 
 
+def with_note(spec: ResolvedExperiment, note: Note, t: float, margin: float) -> ResolvedExperiment:
+    """Return the spec with a note, in place of the one that has its id.
+
+    Args:
+        t: the present time in s. Later notes keep their moments: those that the session began with.
+        margin: time in s by which a note may be later all the same.
+
+    Raises:
+        SpecError: the note's moment has not been reached, or there are too many notes.
+    """
+    if note.t > t + margin and (note.id, note.t) not in _moments(spec):
+        raise SpecError("note.t", note.t, Message("session.note.ahead", t=t))
+    others = [other for other in spec.notes if other.id != note.id]
+    if len(others) >= MAX_NOTES:
+        raise SpecError("note", note.id, Message("session.notes.many", limit=MAX_NOTES))
+    notes = sorted((*others, note), key=lambda one: one.t)
+    return spec.model_copy(update={"notes": tuple(notes)})
+
+
+def _moments(spec: ResolvedExperiment) -> set[tuple[str, float]]:
+    """Return id and time in s of every note."""
+    return {(note.id, note.t) for note in spec.notes}
+
+
+def without_note(spec: ResolvedExperiment, id: str) -> ResolvedExperiment:
+    """Return the spec without a note. Raises SpecError if it has no note of that id."""
+    notes = tuple(note for note in spec.notes if note.id != id)
+    if len(notes) == len(spec.notes):
+        raise SpecError("note", id, Message("session.note.unknown", note=id))
+    return spec.model_copy(update={"notes": notes})
+
+
 def checked(spec: ResolvedExperiment, before: ResolvedExperiment) -> ResolvedExperiment:
     """Return a spec that differs from `before` in faults or commands, after checking it; its figures are not checked.
 
@@ -161,14 +194,16 @@ def checked(spec: ResolvedExperiment, before: ResolvedExperiment) -> ResolvedExp
 def truncated_at(
     spec: ResolvedExperiment, start: ResolvedExperiment, faults: tuple[Fault, ...], t: float
 ) -> ResolvedExperiment:
-    """Return the spec without anything commanded at `t` (s) or later.
+    """Return the spec without anything commanded at `t` (s) or later, and without notes on what comes after it.
 
     Args:
-        start: the spec at the start, whose own commands stay.
+        start: the spec at the start, whose own commands and notes stay.
         faults: the faults as they were before `t`.
     """
     commands = tuple(c for c in spec.commands if c.at < t or c in start.commands)
-    return spec.model_copy(update={"faults": faults, "commands": commands})
+    own = _moments(start)
+    notes = tuple(note for note in spec.notes if note.t <= t or (note.id, note.t) in own)
+    return spec.model_copy(update={"faults": faults, "commands": commands, "notes": notes})
 
 
 def without_commands(spec: ResolvedExperiment, t: float) -> ResolvedExperiment:

@@ -21,7 +21,7 @@ from thetascope.live.session.snapshots import SimulatedRows, Snapshot, Snapshots
 from thetascope.messages import Message
 from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.experiment.base import Text
-from thetascope_schemas.service.session import Assumptions, Batch, Event, Reset, Seek, SessionCommand
+from thetascope_schemas.service.session import Assumptions, Batch, Event, NoteCommand, Reset, Seek, SessionCommand
 
 
 class Session:
@@ -211,6 +211,8 @@ def _after(state: SessionState, command: SessionCommand) -> tuple[SessionState, 
     """Return the state after a command, and the command's events. Raises SpecError or pydantic.ValidationError."""
     if isinstance(command, Batch):
         return _after_batch(state, command)
+    if isinstance(command, NoteCommand):
+        return changes.annotate(state, command), []
     if isinstance(command, Reset):
         start = SessionState.at_start(state.setup)
         start = replace(start, epoch=state.epoch + 1, detects_outside=state.detects_outside)

@@ -32,6 +32,7 @@ const MARKS = {
   fallen: () => path('M9 3L17 11M9 11L17 3', 'var(--o1)', false, {'stroke-width': 2}),
   bar: () => path('M1 5H25V9H1Z', 'var(--fault)'),
   change: () => path('M13 6V14', 'var(--ink)', false),
+  flag: () => [path('M9 13V2', 'var(--accent)', false), path('M9 2h9l-2.300 3L18 8H9z', 'var(--accent)')],
   escaped: () => path('M9 3L17 11M9 11L17 3', 'var(--alarm)', false, {'stroke-width': 2}),
 };
 

@@ -23,6 +23,7 @@ export const KEYS = [
   {keys: ['+', '='], does: 'faster', act: (app) => app.act.speed(faster(app.state.speed, 1))},
   {keys: ['-'], does: 'slower', act: (app) => app.act.speed(faster(app.state.speed, -1))},
   {keys: ['F'], does: 'fork', act: (app) => app.act.fork()},
+  {keys: ['N'], does: 'mark', act: (app) => app.act.notes.begin()},
   {keys: ['1', '…', '9'], does: 'site'},
   {keys: ['C'], does: 'clear', act: (app) => app.send({type: 'clear'})},
   {keys: ['E'], does: 'equations', act: () => open('equations')},

@@ -8,6 +8,7 @@ from pydantic import AfterValidator, Field, model_validator
 from thetascope_schemas.experiment.base import Number, Strict, Text, example
 from thetascope_schemas.service.health import RunUsage
 from thetascope_schemas.service.run import Status
+from thetascope_schemas.texts.one_line import one_line
 from thetascope_schemas.texts.refusal import refuse
 
 RunKind = Literal["run", "session", "record"]
@@ -28,11 +29,6 @@ def _tag(text: str) -> str:
     if not tag or any(char in '"\\,' or not char.isprintable() for char in tag):
         raise refuse("notebook.tag", value=text[:80])
     return tag
-
-
-def _name(text: str) -> str:
-    """Return a name with single blanks and without characters that cannot be shown."""
-    return " ".join("".join(char if char.isprintable() else " " for char in text).split())
 
 
 Tag = Annotated[str, Field(max_length=40), AfterValidator(_tag)]
@@ -142,6 +138,6 @@ class RunNotes(Strict):
 
     model_config = example(name="quick", tags=["fig. 4"], pinned=True)
 
-    name: Annotated[str, Field(max_length=120), AfterValidator(_name)] | None = None
+    name: Annotated[str, Field(max_length=120), AfterValidator(one_line)] | None = None
     tags: Annotated[tuple[Tag, ...], Field(max_length=12)] | None = None
     pinned: bool | None = None
