@@ -16,6 +16,13 @@ export interface Accuracy {
   implicit: number;
 }
 
+/** A channel that was named before the answer, and taken back. */
+export interface Accusation {
+  channel: string;
+  /** Time in s of the record at which it was named. */
+  at: number;
+}
+
 /** A command was executed; it takes effect from this row on. */
 export interface Ack {
   type: 'ack';
@@ -214,6 +221,48 @@ export interface Catalogue {
   observers: (ObserverKind)[];
   faults: (FaultForm)[];
   signals: (SignalForm)[];
+}
+
+/** An answer: one channel with onset and size, no fault, or some that look alike. */
+export interface ChallengeAnswer {
+  verdict: 'channel' | 'none' | 'cannot-be-told';
+  channel: string | null;
+  /** The channels that look alike, where it cannot be told. */
+  alike: (string)[];
+  /** Time in s at which it is thought to have begun. */
+  onset: number | null;
+  /** Size in the unit of the channel; of a ramp, its final one. */
+  size: number | null;
+  /** Time in s of the record at which the answer was given. */
+  at: number;
+  accused: (Accusation)[];
+}
+
+/** An answer: one channel with onset and size, no fault, or some that look alike. */
+export interface ChallengeAnswerInput {
+  verdict: 'channel' | 'none' | 'cannot-be-told';
+  channel?: string | null;
+  /** The channels that look alike, where it cannot be told. */
+  alike?: (string)[];
+  /** Time in s at which it is thought to have begun. */
+  onset?: number | null;
+  /** Size in the unit of the channel; of a ramp, its final one. */
+  size?: number | null;
+  /** Time in s of the record at which the answer was given. */
+  at: number;
+  accused?: (Accusation)[];
+}
+
+/** What was hidden, and what could be told of it and when. */
+export interface ChallengeTruth {
+  /** Null: there is no fault. */
+  fault: HiddenFault | null;
+  /** Length of the record in s. */
+  end: number;
+  /** All other explanations; none where there is no fault. */
+  rivals: (Rival)[];
+  /** Times in s, and how many deviations of the noise separate the record from no fault. */
+  seen: ([number, number])[];
 }
 
 /** One fault θ and its equations: coefficient·θ is added to each equation in `enters`. */
@@ -1471,6 +1520,18 @@ export interface Hello {
   facts: Facts;
 }
 
+/** The fault that is to be found: sudden, or a ramp. */
+export interface HiddenFault {
+  channel: string;
+  shape: 'step' | 'ramp';
+  /** Time in s at which it begins. */
+  onset: number;
+  /** Size in the unit of the channel; of a ramp, its final one. */
+  size: number;
+  /** Time in s that a ramp takes; null: it is sudden. */
+  duration: number | null;
+}
+
 /** Inject a fault. Its onset and end are relative to the present time. */
 export interface Inject {
   /** Number of the command, chosen by the client. */
@@ -1819,6 +1880,58 @@ export interface MyPlantLine {
 /** Saved plants, or the versions of one of them, the last one that was saved first. */
 export interface MyPlantList {
   plants: (MyPlantLine)[];
+}
+
+/** What the page gets: what was measured, and what may have happened. Nothing in it depends on the truth alone. */
+export interface Mystery {
+  seed: string;
+  setup: string;
+  title: Words;
+  plant: Words;
+  /** Length of the record in s. */
+  end: number;
+  /** Time in s from row to row. */
+  record: number;
+  /** Time in s that a gradual fault takes. */
+  ramp: number;
+  choices: (MysteryChoice)[];
+  columns: (MysteryColumn)[];
+}
+
+/** A channel among which one chooses, and the sizes that may be answered. */
+export interface MysteryChoice {
+  channel: string;
+  title: Words;
+  unit: string;
+  /** Smallest size in the unit of the channel. */
+  low: number;
+  /** Largest size in the unit of the channel. */
+  high: number;
+}
+
+/** A column of the record: what is measured and commanded, or an observer's estimate. */
+export interface MysteryColumn {
+  name: string;
+  /** u, y, residual (measured minus predicted), or theta. */
+  of: string;
+  /** The input, output or channel. */
+  subject: string;
+  /** Channel that its observer suspects; empty: none, or no observer. */
+  observer: string;
+  unit: string;
+  /** One value for each row in the unit of the column. */
+  values: (number | null)[];
+}
+
+/** The truth, the answer and the detector's, each with its points, and the experiment with everything in it. */
+export interface MysterySolution {
+  truth: ChallengeTruth;
+  answer: ChallengeAnswer;
+  score: Score;
+  /** Null: the detector named nothing that can be graded. */
+  detector: ChallengeAnswer | null;
+  detector_score: Score;
+  experiment: Experiment;
 }
 
 /** The name that a student chooses; without one the student gets another animal. */
@@ -2424,6 +2537,16 @@ export interface Play {
 export interface PlotlyFigure {
   data: ({[name: string]: JsonValue})[];
   layout: {[name: string]: JsonValue};
+}
+
+/** Points for one of the four things that count. */
+export interface Points {
+  of: 'name' | 'size' | 'soon' | 'accused';
+  /** Points that were earned. */
+  points: number;
+  /** Points that could be earned. */
+  most: number;
+  why: Text;
 }
 
 /** Whether a kind of observer can be built for a plant, and the reason if not. */
@@ -3243,6 +3366,16 @@ export interface Rewound {
   t: number;
 }
 
+/** Another explanation of the record, and how long it fitted: by the best size and onset that it can have. */
+export interface Rival {
+  /** Name of the channel; empty: no fault. */
+  channel: string;
+  /** Time in s from which three deviations separate it; null: never. */
+  fair_until: number | null;
+  /** Time in s from which five deviations separate it; null: never. */
+  until: number | null;
+}
+
 /** A room, as its teacher gets it. The token is that of the teacher. */
 export interface RoomOpened {
   token: string;
@@ -3472,6 +3605,13 @@ export interface SampledMeasurementInput {
 export interface Saw {
   text: Words;
   when: (Condition)[];
+}
+
+/** The points of an answer. */
+export interface Score {
+  /** Points together, at most 100. */
+  total: number;
+  points: (Points)[];
 }
 
 /** Everything on a student's phone. */

@@ -2,30 +2,13 @@
 
 from collections import Counter
 
-import numpy as np
 import pytest
-from scipy.optimize import minimize_scalar
 
+from benchmarks.mysteries import hardest, perfect, separation
 from thetascope import library
-from thetascope.assembly import prepare
-from thetascope.challenge import Challenge, challenge, detector_answer, draw, experiment_of, grade, mystery_of
-from thetascope.challenge.experiments import setup_plant, sizes_of
-from thetascope_schemas.service.learning.challenge import ChallengeAnswer, HiddenFault
+from thetascope.challenge import challenge, detector_answer, draw, grade, mystery_of
 
 CHECKED = ["mystery:9", "mystery:11", "mystery:5"]  # two that look alike; one told after a while; one of a sensor
-
-
-def perfect(found: Challenge) -> ChallengeAnswer:
-    """Return the answer that earns all points."""
-    truth = found.truth
-    if truth.fault is None:
-        return ChallengeAnswer(verdict="none", at=truth.end)
-    left = truth.alike(truth.end)
-    at = truth.told_from()
-    if len(left) > 1:
-        return ChallengeAnswer(verdict="cannot-be-told", alike=tuple(sorted(left)), at=at)
-    fault = truth.fault
-    return ChallengeAnswer(verdict="channel", channel=fault.channel, onset=fault.onset, size=fault.size, at=at)
 
 
 def test_a_key_draws_the_same_and_another_something_else():
@@ -59,44 +42,8 @@ def test_the_detector_is_graded_on_the_same_scale():
 def test_an_independent_fit_confirms_what_could_be_told(key: str):
     """Runs of the whole experiment, fitted by another search, leave the same rivals at the end of the record."""
     found = challenge(key)
-    rivals = sorted((r for r in found.truth.rivals if r.channel), key=lambda r: np.inf if r.until is None else r.until)
-    for rival in rivals[-2:]:  # the hardest to exclude
-        assert (separation(found, rival.channel) < 5.0) == (rival.until is None), rival
-
-
-def separation(found: Challenge, channel: str) -> float:
-    """Return how many deviations separate a rival from the truth at the end, by a search over runs without noise."""
-    drawn = found.drawn
-    plant = setup_plant(drawn.setup.id)
-    target = outputs(found, drawn.fault)
-    suspect = next(s for s in drawn.setup.suspects if s.channel == channel)
-    best = np.inf
-    for duration in (None, drawn.setup.ramp):
-        for row in offsets(drawn.fault.onset, drawn.setup.record, drawn.setup.horizon):
-            for end in (e for e in sizes_of(plant, suspect) if e):
-
-                def distance(size: float, row=row, duration=duration) -> float:
-                    shape = "ramp" if duration else "step"
-                    onset = round(row * drawn.setup.record, 9)
-                    rival = HiddenFault(channel=channel, shape=shape, onset=onset, size=size, duration=duration)
-                    return float(np.sqrt(((outputs(found, rival) - target) ** 2).sum()))
-
-                fit = minimize_scalar(distance, bounds=sorted((0.0, end)), method="bounded", options={"maxiter": 12})
-                best = min(best, fit.fun)
-    return best
-
-
-def offsets(onset: float, record: float, horizon: float) -> list[int]:
-    true = round(onset / record)
-    return [k for k in (true + d for d in (-12, -3, 0, 3)) if 0 <= k < horizon / record]
-
-
-def outputs(found: Challenge, fault: HiddenFault | None) -> np.ndarray:
-    """Return the readings without noise in deviations of the noise, from a run of the whole experiment."""
-    setup = found.drawn.setup
-    spec = experiment_of(setup, found.drawn.program, fault, 0).model_copy(update={"noise": {}})
-    result = prepare(spec).run()
-    return np.stack([result.column(f"y.{y.name}") / setup.noise[y.name].std for y in spec.plant.outputs], axis=1)
+    for channel, alike in hardest(found):
+        assert (separation(found, channel) < 5.0) == alike, channel
 
 
 def test_what_is_shown_does_not_contain_the_truth():

@@ -27,6 +27,7 @@ def test_a_finished_preparation_is_not_repeated(tmp_path, monkeypatch):
     monkeypatch.setattr(
         library, "experiments", lambda: {"failing": failing, "good": spec(noise={"y": {"std": 0.0123}})}
     )
+    monkeypatch.setattr(library, "mysteries", dict)
     monkeypatch.setattr(prewarm, "_LATER", 0.0)
     monkeypatch.setattr(prewarm.os, "nice", lambda by: None)
     prewarm.prepare()

@@ -12,11 +12,19 @@ from thetascope.challenge.experiments import experiment_of, hunter_label, setup_
 from thetascope.challenge.grade import grade
 from thetascope.challenge.signatures import signatures_of
 from thetascope.challenge.told import truth_of
+from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import Result
+from thetascope.messages import Message
 from thetascope_schemas import Experiment
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.learning.challenge import ChallengeAnswer, ChallengeTruth
-from thetascope_schemas.service.learning.mystery import Mystery, MysteryChoice, MysteryColumn, MysterySolution
+from thetascope_schemas.service.learning.mystery import (
+    Mystery,
+    MysteryChoice,
+    MysteryColumn,
+    MysterySetup,
+    MysterySolution,
+)
 from thetascope_schemas.service.learning.questions import Words
 
 _DIGITS = 6  # that are sent of a value
@@ -61,6 +69,20 @@ def mystery_of(drawn: Drawn, name: str) -> Mystery:
     )
 
 
+def mystery_by(seed: str) -> Mystery:
+    """Return the mystery of a seed."""
+    return mystery_of(draw(_key(seed)), seed)
+
+
+def solution_by(seed: str, answer: ChallengeAnswer) -> MysterySolution:
+    """Return the solution of the mystery of a seed. Raises SpecError for an answer with other channels than it has."""
+    return solution_of(_key(seed), answer)
+
+
+def _key(seed: str) -> str:
+    return f"mystery:{seed}"
+
+
 def _columns(drawn: Drawn, plant: Plant, result: Result) -> list[MysteryColumn]:
     """Return u, y, what is measured minus predicted, and the same and θ̂ of the observer for each suspect."""
     columns = []
@@ -88,11 +110,20 @@ def _columns(drawn: Drawn, plant: Plant, result: Result) -> list[MysteryColumn]:
     return columns
 
 
+def compile_setup(setup: MysterySetup) -> None:
+    """Compile what the mysteries of a set-up share, and find the detector's thresholds: seconds, the first time."""
+    for program in range(len(setup.inputs)):
+        prepare(experiment_of(setup, program, None, 0, observers=True, diagnosis=True)).run()
+        signatures_of(setup.id, program).outputs_with([None])
+
+
 def solution_of(key: str, answer: ChallengeAnswer, setup: str | None = None) -> MysterySolution:
     """Return the truth of a key, the points of an answer, and what the detector said. Takes some seconds, once."""
-    found, detector = challenge(key, setup), _detector(key, setup)
+    found = challenge(key, setup)
     drawn = found.drawn
-    spec = experiment_of(drawn.setup, drawn.program, drawn.fault, drawn.seed, diagnosis=True)
+    _check(answer, [suspect.channel for suspect in drawn.setup.suspects])
+    detector = _detector(key, setup)
+    spec = experiment_of(drawn.setup, drawn.program, drawn.fault, drawn.seed, observers=True, diagnosis=True)
     return MysterySolution(
         truth=found.truth,
         answer=answer,
@@ -101,6 +132,13 @@ def solution_of(key: str, answer: ChallengeAnswer, setup: str | None = None) -> 
         detector_score=grade(detector, found.truth),
         experiment=Experiment.model_validate(spec.model_dump(mode="json", context={"language": "*"})),
     )
+
+
+def _check(answer: ChallengeAnswer, known: list[str]) -> None:
+    for name in (*answer.named, *(one.channel for one in answer.accused)):
+        if name and name not in known:
+            names = Message("suggest.all", names=known)
+            raise SpecError("channel", name, Message("challenge.channel.unknown", name=name), names)
 
 
 @lru_cache(maxsize=256)

@@ -36,7 +36,7 @@ from thetascope.api.routes import (
 )
 from thetascope.api.routes.classroom import seats, teacher
 from thetascope.api.routes.figures import printed_figures
-from thetascope.api.routes.learning import course, questions
+from thetascope.api.routes.learning import course, mysteries, questions
 from thetascope.api.routes.models import equations, gain_defaults, plant_trial, signal_curve
 from thetascope.api.routes.notebook import run_comparison, run_lines
 from thetascope.api.sign_in.require_key import RequireKey
@@ -119,6 +119,7 @@ def _api() -> APIRouter:
         signal_curve,
         questions,
         course,
+        mysteries,
         messages,
         my_plants,
         record_files,

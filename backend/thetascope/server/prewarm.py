@@ -67,7 +67,8 @@ def _exit_with_service() -> None:
 
 
 def prepare() -> None:
-    """Advance a session of every experiment by one row, and record that all are done."""
+    """Advance a session of every experiment by one row, compile the mysteries, and record that all are done."""
+    from thetascope.challenge.mystery import compile_setup
     from thetascope.engine.errors import ThetascopeError
     from thetascope.live.session.session import Session  # imports SymPy, so the service starts without it
 
@@ -79,6 +80,8 @@ def prepare() -> None:
             Session(library.resolve(spec)).advance(1)
         except ThetascopeError as error:
             log.warning("%s is not compiled in advance: %s", spec.id, error)
+    for setup in library.mysteries().values():
+        compile_setup(setup)
     cache.write(_DONE, _key(), b"")
 
 

@@ -6,6 +6,7 @@ import {mountTop} from '../../common/page-header.js';
 import {chosenLanguage} from '../../i18n/language.js';
 import {named, speak, t} from '../../i18n/words.js';
 import {finished, places} from '../../live/lesson/progress.js';
+import {played} from './mystery/place.js';
 
 /** @import * as service from '../../types/service.js' */
 /** @import {Place} from '../../live/lesson/progress.js' */
@@ -27,6 +28,7 @@ const draw = () => {
       'ol',
       {class: 'learn-lessons'},
       entries.map((entry) => h('li', {}, card(entry, entry === current(entries)))),
+      h('li', {class: 'learn-mystery'}, mystery()),
     ),
   );
 };
@@ -121,6 +123,23 @@ function classCard() {
       h('button', {class: 'run', type: 'submit'}, t('page.join.join')),
     ),
     h('p', {}, h('a', {href: '/classroom/'}, t('page.learn.teach'))),
+  );
+}
+
+/** After the lessons: a fault to be found without them. */
+function mystery() {
+  const {seeds, best} = played();
+  return h(
+    'a',
+    {class: 'card learn-card', href: '/learn/mystery/'},
+    h('span', {class: 'learn-question', 'aria-hidden': 'true'}, '?'),
+    h('div', {}, h('h2', {}, t('page.mystery.card.title')), h('p', {}, t('page.mystery.card.say'))),
+    h(
+      'p',
+      {class: 'soft'},
+      h('span', {}, t('page.mystery.card.minutes')),
+      seeds.length > 0 && h('span', {}, t('page.mystery.card.played', {n: seeds.length, best})),
+    ),
   );
 }
 

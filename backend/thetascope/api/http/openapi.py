@@ -19,6 +19,7 @@ from thetascope_schemas.service.classroom.requests import (
 )
 from thetascope_schemas.service.figures.printed_figure import PrintSettings
 from thetascope_schemas.service.figures.signal_curve import SignalCurveRequest
+from thetascope_schemas.service.learning.challenge import ChallengeAnswer
 from thetascope_schemas.service.learning.judged import JudgeRequest
 from thetascope_schemas.service.notebook.comparison import ComparisonNotes
 from thetascope_schemas.service.notebook.lines import RunNotes
@@ -68,6 +69,7 @@ BODIES = (
     JoinRequest,
     NameRequest,
     VoteRequest,
+    ChallengeAnswer,
     Problem,
 )
 _ANY = {"description": "Another refusal, or an internal error (500).", "content": PROBLEM}

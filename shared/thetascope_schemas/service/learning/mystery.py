@@ -1,6 +1,6 @@
 """A mystery: a record with a hidden fault, or none. How it is drawn, what the page gets of it, and its solution."""
 
-from typing import Annotated, Self
+from typing import Self
 
 from pydantic import Field, model_validator
 
@@ -12,7 +12,8 @@ from thetascope_schemas.service.learning.challenge import ChallengeAnswer, Chall
 from thetascope_schemas.service.learning.questions import Words
 from thetascope_schemas.texts.refusal import refuse
 
-MysterySeed = Annotated[str, Field(pattern=r"^[a-z0-9]{1,16}$", description="Letters and digits that draw a mystery.")]
+MYSTERY_SEED = r"[a-z0-9]{1,16}"
+"""Pattern of the seeds from which mysteries are drawn."""
 _SUSPECT = {"channel": "leak1", "low": 0.05, "high": 0.15}
 _CHOICE = {
     "channel": "leak1",
