@@ -1923,6 +1923,19 @@ export interface MysteryColumn {
   values: (number | null)[];
 }
 
+/** A set-up without what is drawn from it. */
+export interface MysterySetupLine {
+  id: string;
+  title: Words;
+  /** Number of channels in which a fault may be hidden. */
+  suspects: number;
+}
+
+/** The set-ups of mysteries, those with the fewest suspects first. */
+export interface MysterySetups {
+  setups: (MysterySetupLine)[];
+}
+
 /** The truth, the answer and the detector's, each with its points, and the experiment with everything in it. */
 export interface MysterySolution {
   truth: ChallengeTruth;

@@ -24,6 +24,14 @@ def test_a_seed_returns_the_same_record(client: Client):
     assert all(choice["title"]["zh"] for choice in mystery["choices"])
 
 
+def test_a_plant_can_be_chosen(client: Client):
+    """The easiest set-up is first, and a seed draws another mystery in each."""
+    setups = client.get("/api/mysteries")["setups"]
+    assert [one["suspects"] for one in setups] == sorted(one["suspects"] for one in setups)
+    drawn = client.get(f"/api/mysteries/{SEED}?setup={setups[1]['id']}")
+    assert drawn["setup"] == setups[1]["id"] and len(drawn["choices"]) == setups[1]["suspects"]
+
+
 def test_an_answer_is_graded_beside_the_detector(client: Client):
     """The right leak earns nearly everything, a wrong name nothing; sentences are in the language of the request."""
     fault = draw(f"mystery:{SEED}").fault
@@ -43,6 +51,7 @@ def test_an_answer_is_graded_beside_the_detector(client: Client):
     ("path", "body", "status"),
     [
         ("/api/mysteries/UPPER", None, 404),
+        (f"/api/mysteries/{SEED}?setup=ten-tanks", None, 404),
         (f"/api/mysteries/{'a' * 17}", None, 404),
         (f"/api/mysteries/{SEED}/answer", {"verdict": "channel", "channel": "flood", "at": 1}, 422),
         (

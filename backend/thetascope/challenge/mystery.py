@@ -69,14 +69,14 @@ def mystery_of(drawn: Drawn, name: str) -> Mystery:
     )
 
 
-def mystery_by(seed: str) -> Mystery:
-    """Return the mystery of a seed."""
-    return mystery_of(draw(_key(seed)), seed)
+def mystery_by(seed: str, setup: str | None) -> Mystery:
+    """Return the mystery of a seed; `setup`: its set-up, if it is not drawn, too."""
+    return mystery_of(draw(_key(seed), setup), seed)
 
 
-def solution_by(seed: str, answer: ChallengeAnswer) -> MysterySolution:
+def solution_by(seed: str, setup: str | None, answer: ChallengeAnswer) -> MysterySolution:
     """Return the solution of the mystery of a seed. Raises SpecError for an answer with other channels than it has."""
-    return solution_of(_key(seed), answer)
+    return solution_of(_key(seed), answer, setup)
 
 
 def _key(seed: str) -> str:

@@ -64,6 +64,8 @@ def test_a_wrong_name_earns_nothing_on_a_phone(page):
     mystery.click(".mystery-ways .quiet:nth-of-type(2)")
     mystery.wait_for_selector(".mystery-card")
     assert not mystery.is_checked("input[value=bias]")
+    mystery.select_option("#mystery-setup", "motor")
+    mystery.wait_for_selector("input[value=speed_bias]")
     mystery.goto(mystery.url.split("?")[0].removesuffix("mystery/"))
     mystery.wait_for_selector(".learn-mystery")
     assert "your best 0" in mystery.inner_text(".learn-mystery")

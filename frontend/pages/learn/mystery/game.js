@@ -3,7 +3,7 @@
 import {get, post} from '../../../common/api.js';
 import {fill, h, query} from '../../../common/dom.js';
 import {asSentence, language, refusalWords, t} from '../../../i18n/words.js';
-import {anySeed, fresh, keepPlace, keptPlace, markPlayed} from './place.js';
+import {anySeed, fresh, keepPlace, keptPlace, markPlayed, played} from './place.js';
 import {Question} from './question.js';
 import {drawResult} from './result.js';
 import {Strips} from './strips.js';
@@ -28,6 +28,9 @@ const NOTHING = {
   columns: [],
 };
 
+/** @param {string} seed @param {string} setup */
+const addressOf = (seed, setup) => `?seed=${seed}${setup ? `&setup=${encodeURIComponent(setup)}` : ''}`;
+
 export class Game {
   constructor() {
     /** @type {Place} */
@@ -35,6 +38,11 @@ export class Game {
     this.mystery = NOTHING;
     /** @type {service.MysterySolution | null} */
     this.solution = null;
+    this.seed = '';
+    /** Id of the set-up that was chosen; '' where the seed draws it. */
+    this.setup = '';
+    /** @type {readonly service.MysterySetupLine[]} */
+    this.setups = [];
     this.playing = false;
     this.speed = SPEEDS[1];
     this.sending = false;
@@ -54,20 +62,25 @@ export class Game {
     return language();
   }
 
-  /** Open the mystery of the address, or any. */
+  /** Open the mystery of the address, or any. @returns {Promise<void>} */
   async open() {
     const turn = (this.turn += 1);
-    const asked = new URLSearchParams(location.search).get('seed')?.toLowerCase();
-    const seed = asked || anySeed();
-    if (!asked) history.replaceState(null, '', `?seed=${seed}`);
+    const query = new URLSearchParams(location.search);
+    this.setup = query.get('setup') ?? '';
+    if (!query.get('seed')) {
+      const easiest = played().seeds.length ? '' : (this.setups[0]?.id ?? '');
+      history.replaceState(null, '', addressOf(anySeed(), this.setup || easiest));
+      return this.open();
+    }
+    this.seed = query.get('seed')?.toLowerCase() ?? '';
     this.playing = false;
     this.solution = null;
     this.problem = null;
     this.mystery = NOTHING;
-    this.place = keptPlace(seed);
+    this.place = keptPlace(this.name);
     fill(this.main, h('p', {class: 'soft mystery-wait', role: 'status'}, t('page.mystery.opening')));
     try {
-      const mystery = await get(`/api/mysteries/${encodeURIComponent(seed)}`);
+      const mystery = await get(this.path(''));
       if (turn !== this.turn) return;
       this.mystery = mystery;
     } catch (error) {
@@ -292,10 +305,10 @@ export class Game {
     this.sending = true;
     if (this.main.contains(this.card)) this.question.draw();
     try {
-      const solution = await post(`/api/mysteries/${this.mystery.seed}/answer`, answer);
+      const solution = await post(this.path('/answer'), answer);
       if (turn !== this.turn) return;
       this.solution = solution;
-      markPlayed(this.mystery.seed, this.solution?.score.total ?? 0);
+      markPlayed(this.name, this.solution?.score.total ?? 0);
     } catch (error) {
       if (turn !== this.turn) return;
       this.problem = error;
@@ -308,13 +321,25 @@ export class Game {
     if (this.solution) query('#result-title').focus({preventScroll: true});
   }
 
-  another() {
-    history.pushState(null, '', `?seed=${anySeed()}`);
+  /** The mystery among others: its seed, and its set-up where that was chosen. */
+  get name() {
+    return this.setup ? `${this.seed} ${this.setup}` : this.seed;
+  }
+
+  /** @param {string} end */
+  path(end) {
+    const query = this.setup ? `?setup=${encodeURIComponent(this.setup)}` : '';
+    return `/api/mysteries/${encodeURIComponent(this.seed)}${end}${query}`;
+  }
+
+  /** Draw another mystery. @param {string} [setup] @returns {Promise<void>} */
+  another(setup = this.setup) {
+    history.pushState(null, '', addressOf(anySeed(), setup));
     return this.open();
   }
 
   again() {
-    keepPlace(fresh(this.mystery.seed));
+    keepPlace(fresh(this.name));
     return this.open();
   }
 }

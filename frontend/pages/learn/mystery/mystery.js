@@ -1,12 +1,14 @@
 // Mystery: a record plays, somebody says what is wrong and since when, and meets the detector.
 
-import {connection} from '../../../common/api.js';
+import {connection, get} from '../../../common/api.js';
 import {fill, query} from '../../../common/dom.js';
 import {mountTop} from '../../../common/page-header.js';
 import {speak, t} from '../../../i18n/words.js';
 import {chosenLanguage} from '../../../i18n/language.js';
 import {Game} from './game.js';
 import {keepPlace} from './place.js';
+
+/** @import * as service from '../../../types/service.js' */
 
 await speak(chosenLanguage());
 const game = new Game();
@@ -31,4 +33,5 @@ document.addEventListener('keydown', (event) => {
   } else if (event.key.toLowerCase() === 'a') game.accuse();
   else if (/^[0-9]$/.test(event.key)) game.question.choose((Number(event.key) + 9) % 10);
 });
+game.setups = /** @type {service.MysterySetups} */ (await get('/api/mysteries')).setups;
 await game.open();

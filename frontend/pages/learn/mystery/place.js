@@ -6,7 +6,7 @@
 
 /**
  * @typedef {object} Place
- * @property {string} seed
+ * @property {string} seed         with the set-up, if that was chosen
  * @property {number} now          time in s up to which the record was watched
  * @property {string} choice       a channel, 'none', 'alike', or '' before a choice
  * @property {string[]} alike      channels that look alike

@@ -40,7 +40,8 @@ export class Question {
     const focused = document.activeElement instanceof HTMLElement ? document.activeElement.dataset.keep : undefined;
     fill(
       this.card,
-      h('p', {class: 'eyebrow'}, t('page.mystery.round', {n: roundOf(mystery.seed), title: named(mystery.title)})),
+      h('p', {class: 'eyebrow'}, t('page.mystery.round', {n: roundOf(game.name), title: named(mystery.title)})),
+      this.setups(),
       h('h1', {id: 'mystery-title', tabindex: -1}, t('page.mystery.title')),
       h('p', {class: 'say'}, t('page.mystery.say')),
       this.choices(),
@@ -49,6 +50,30 @@ export class Question {
       this.buttons(),
     );
     if (focused) /** @type {HTMLElement | null} */ (this.card.querySelector(`[data-keep="${focused}"]`))?.focus();
+  }
+
+  /** The plant, which one may choose. */
+  setups() {
+    const {game} = this;
+    /** @type {HTMLSelectElement} */
+    const select = h(
+      'select',
+      {
+        id: 'mystery-setup',
+        'data-keep': 'setup',
+        disabled: game.sending,
+        onchange: () => game.another(select.value),
+      },
+      h('option', {value: '', selected: game.setup === ''}, t('page.mystery.any-setup')),
+      game.setups.map(({id, title, suspects}) =>
+        h(
+          'option',
+          {value: id, selected: game.setup === id},
+          t('page.mystery.setup-line', {title: named(title), n: suspects}),
+        ),
+      ),
+    );
+    return h('p', {class: 'mystery-setup'}, h('label', {for: 'mystery-setup'}, t('page.mystery.setup')), select);
   }
 
   choices() {

@@ -23,7 +23,7 @@ export function drawResult(main, game) {
     h(
       'section',
       {class: 'card mystery-result', 'aria-labelledby': 'result-title'},
-      h('p', {class: 'soft'}, t('page.mystery.round', {n: roundOf(mystery.seed), title: named(mystery.title)})),
+      h('p', {class: 'soft'}, t('page.mystery.round', {n: roundOf(game.name), title: named(mystery.title)})),
       h('h1', {id: 'result-title', tabindex: -1}, t('page.mystery.result', {you: score.total, detector: other.total})),
       h('p', {class: 'sentence'}, sentences(game, solution)),
       picture(game, solution),

@@ -69,6 +69,24 @@ class MysterySetup(Strict):
     suspects: tuple[Suspect, ...] = Field(min_length=2, max_length=12)
 
 
+class MysterySetupLine(Strict):
+    """A set-up without what is drawn from it."""
+
+    model_config = example(id="three-tanks", title={"en": "three tanks", "zh": "三容水箱"}, suspects=8)
+
+    id: str
+    title: Words
+    suspects: int = Field(description="Number of channels in which a fault may be hidden.")
+
+
+class MysterySetups(Strict):
+    """The set-ups of mysteries, those with the fewest suspects first."""
+
+    model_config = example(setups=[{"id": "two-tanks", "title": {"en": "two tanks", "zh": "上下水箱"}, "suspects": 3}])
+
+    setups: tuple[MysterySetupLine, ...]
+
+
 class MysteryChoice(Strict):
     """A channel among which one chooses, and the sizes that may be answered."""
 
