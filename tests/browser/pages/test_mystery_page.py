@@ -30,6 +30,8 @@ def test_a_leak_is_found_and_the_round_survives_a_reload(page):
     mystery.wait_for_selector(".mystery-claims li")
     assert mystery.is_checked("input[value=leak]")
     assert mystery.locator(".strip").count() == 2, "the difference, and what the leak's observer estimates"
+    mystery.focus("[data-keep=onset]")
+    mystery.keyboard.press("End")
     mystery.fill("[data-keep=size-field]", "0.0104")
     mystery.keyboard.press("Tab")
     mystery.click("[data-keep=answer]")
@@ -37,6 +39,7 @@ def test_a_leak_is_found_and_the_round_survives_a_reload(page):
     points = re.fullmatch(r"You (\d+), the detector (\d+)", mystery.inner_text("#result-title"))
     assert points and int(points[1]) >= 80 and int(points[2]) >= 90
     assert "both right" in mystery.inner_text(".sentence")
+    assert re.search(r"You dated it \d+ s too late", mystery.inner_text(".sentence"))
     mystery.evaluate(AXE)
     assert serious(mystery) == []
     mystery.click(".languages")

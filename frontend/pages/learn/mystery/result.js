@@ -67,6 +67,12 @@ function sentences(game, {truth, answer, score, detector, detector_score: other}
   } else if (mine > 0) parts.push(t('page.mystery.only-you'));
   else if (its > 0) parts.push(t('page.mystery.only-detector'));
   else parts.push(t('page.mystery.neither'));
+  if (fault && mine > 0 && answer.channel && answer.onset !== null) {
+    const off = answer.onset - fault.onset;
+    if (Math.abs(off) < game.mystery.record / 2) parts.push(t('page.mystery.dated'));
+    else if (off > 0) parts.push(t('page.mystery.dated-late', {seconds: number(off, 3)}));
+    else parts.push(t('page.mystery.dated-early', {seconds: number(-off, 3)}));
+  }
   return parts.join(game.language === 'zh' ? '' : ' ');
 }
 
