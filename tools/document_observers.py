@@ -57,9 +57,9 @@ An observer sees t, the inputs u, the known signals φ and the measured y, nothi
 plant's model is saturated to the plant's physical domain; estimates are not.
 
 In an experiment: `observers: [{label: mine, kind: adaptive-kalman, gains: {lambda: 2}, initial: {x1: 0}}]`.
-`options.channels` lists the fault channels to estimate (default: all). A gain per state, output or fault takes a list.
-A default "from the plant" depends on the plant, the declared noise or the sampling; `GET /api/catalogue` has all of
-this as JSON.
+`options.channels` lists the fault channels to estimate (default: all, or those that the observer can tell apart). A
+gain per state, output or fault takes a list. A default "from the plant" depends on the plant, the declared noise or the
+sampling; `GET /api/catalogue` has all of this as JSON.
 """
 
 

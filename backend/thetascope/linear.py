@@ -138,7 +138,8 @@ def linearise_observer(
 ) -> LinearSystem:
     """Return an observer as linear equations about its estimates at a time of an experiment.
 
-    The states and the outputs are x̂ and θ̂, the inputs u, known signals and y. Gains that the observer adapts (P, Γ,
+    The states and the outputs are x̂ and θ̂, and those through which noise reaches θ̂; the inputs are u, known signals
+    and y. Gains that the observer adapts (P, Γ,
     Υ) have the values of that time; a sampled observer is the step from the sample before to
     its last one. `gain` of the answer multiplies the innovation.
 
@@ -156,7 +157,7 @@ def linearise_observer(
     estimator = engine.estimators[place]
     program, shape = estimator.program, shape_of(estimator.program)
     values = _seen(engine, rows, place)
-    estimates = (*shape.x, *shape.theta)
+    estimates = shape.estimates
     if not np.isfinite(np.array([values[name] for name in estimates], dtype=float)).all():
         raise ValueError(f"the estimates of {observer} are not finite at {rows.index[-1] * engine.step:g} s")
     entering = [n for n in program.inputs if _unheld(n).startswith(("u.", "signal.", "y."))]
@@ -166,10 +167,16 @@ def linearise_observer(
     n = len(estimates)
     level = np.array([values[name] for name in estimates])
     own = Jacobians(found.A, found.B @ merge, np.eye(n), np.zeros((n, len(bare))), found.update, level)
-    names = [f"{_bare(name.replace('thetah.', 'theta.'))}_hat" for name in estimates]
+    names = [_estimate(name) for name in estimates]
     point = dict(zip(names, level.tolist(), strict=True))
     period = None if estimator.every is None else estimator.every * engine.step
     return _system(observer, own, estimates, bare, names, period, point, names)
+
+
+def _estimate(name: str) -> str:
+    """Return the name of an estimate for users; a state on the way to θ̂ keeps its own."""
+    bare = _bare(name.replace("thetah.", "theta."))
+    return bare if name.startswith("via.") else f"{bare}_hat"
 
 
 def _observing(spec: ResolvedExperiment, observer: str, at: float | None) -> tuple[Engine, Rows, int]:

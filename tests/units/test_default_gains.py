@@ -1,16 +1,20 @@
 """Every observer that fits a plant runs with its default gains, at any speed and with any slope at rest."""
 
+from collections.abc import Iterable
+
 import numpy as np
 import pytest
 
-from tests.units.rescaling import gain_factors, random_units, rescaled
-from tests.units.test_units import CHANNELS, GENERAL, MANY, PLANTS, plain, with_observers
+from tests.units.rescaling import Units, gain_factors, random_units, rescaled
+from tests.units.test_units import CHANNELS, GENERAL, MANY, MOST, PLANTS, batched, plain, with_observers
 from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.assembly.build.gain_values import from_parameters
 from thetascope.engine.observers.registry import kinds
+from thetascope.engine.simulation.experiment import Estimator
 from thetascope_schemas import ResolvedExperiment
 
+CONSTANT = ("proportional-integral", "extended-state", "sliding-mode", "unknown-input", "drem")
 FAST = ("shen-hu-2015", "zhou-tan-2012", "friction-motor", "reduced-order-mimo")
 OF_ALL_FAULTS = {("zhao-adaptive", "delta")}  # one level for faults of unlike units, which enters a check only
 MORE = pytest.mark.skipif(not MANY, reason="THETASCOPE_UNITS is not set")
@@ -19,9 +23,16 @@ MORE = pytest.mark.skipif(not MANY, reason="THETASCOPE_UNITS is not set")
 @pytest.mark.parametrize("name", [p if p in FAST else pytest.param(p, marks=MORE) for p in PLANTS])
 def test_defaults_convert_as_their_units_say(name):
     """In other units every default gain of every observer that fits is the old one, converted by its dimension."""
-    spec = with_observers(plain(library.resolve(library.experiment(name))), kinds(), CHANNELS.get(name, ""))
-    units = random_units(spec, 3)
-    pairs = zip(prepare(spec).engine.estimators, prepare(rescaled(spec, units)).engine.estimators, strict=True)
+    bare = plain(library.resolve(library.experiment(name)))
+    for some in batched(kinds(), MOST):
+        spec = with_observers(bare, some, CHANNELS.get(name, ""))
+        units = random_units(spec, 3)
+        pairs = zip(prepare(spec).engine.estimators, prepare(rescaled(spec, units)).engine.estimators, strict=True)
+        compare_gains(pairs, units)
+
+
+def compare_gains(pairs: Iterable[tuple[Estimator, Estimator]], units: Units) -> None:
+    """Compare the gains of each observer with those in other units."""
     for old, new in pairs:
         for gain in old.kind.gains:
             before, after = (
@@ -72,9 +83,10 @@ def test_defaults_are_admissible(law, size, speed):
         "reduced-order",
         "full-order",
     }
+    assert names >= set(CONSTANT)
     result = prepare(spec).run()
     assert [o.kind for o in result.observers if o.diverged] == []
     for report in result.observers:
-        if report.kind in (*GENERAL, "zhao-adaptive"):
+        if report.kind in (*GENERAL, *CONSTANT, "zhao-adaptive"):
             late = result.column(f"{report.label}.theta.a")[-len(result.column("t")) // 5 :]
             assert np.mean(late) == pytest.approx(0.2 * size, rel=0.5), report.kind

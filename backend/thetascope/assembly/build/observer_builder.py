@@ -4,6 +4,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 
+import numpy as np
+
 from thetascope.assembly.build.gain_values import gain_values, parameters, size_of
 from thetascope.assembly.build.recorded_truth import on_record
 from thetascope.engine.errors import SpecError
@@ -57,8 +59,12 @@ def _estimator(
 ) -> Estimator:
     kind, plant = observer(config.kind), spec.plant
     _suits(kind, plant)
-    channels = _channels(kind, config, plant)
     every = _sample_every(kind, config, spec, step)
+    channels = _channels(kind, config, plant)
+    if channels is None:
+        channels = plant.names("channels")
+        if kind.chooses is not None:
+            channels = kind.chooses(_context(spec, data, channels, step, every, healthy))
     context = _context(spec, data, channels, step, every, healthy)
     gains = {g.name: gain_values(g, config.gains.get(g.name), context) for g in kind.gains}
     refuse_unknown("gains", config.gains, gains, Message("observer.gain.unknown", kind=kind.id))
@@ -67,6 +73,8 @@ def _estimator(
     written = observer_program(data, kind, channels, sizes, options)
     numbers = _numbers(gains, config, spec, channels)
     numbers["g.period"] = context.period
+    for name, matrix in (kind.constants(context) if kind.constants is not None else {}).items():
+        numbers |= {f"k.{name}.{i}.{j}": float(v) for (i, j), v in np.ndenumerate(matrix)}
     built = Estimator(config.label, kind, written.program, channels, numbers, written.facts, context, every)
     return on_record(built, spec, "period" in config.options)
 
@@ -85,14 +93,14 @@ def _suits(kind: Observer, plant: Plant) -> None:
         raise SpecError("kind", kind.id, Message("observer.kind.continuous-only", plant=plant.id))
 
 
-def _channels(kind: Observer, config: ObserverConfig, plant: Plant) -> tuple[str, ...]:
-    """Return the channels that it estimates: option ``channels`` (comma separated), else all."""
+def _channels(kind: Observer, config: ObserverConfig, plant: Plant) -> tuple[str, ...] | None:
+    """Return the channels that it estimates by the option ``channels`` (comma separated); None without it."""
     names = [c.name for c in plant.channels]
     if not kind.estimates_theta:
         return ()
     requested = config.options.get("channels")
     if requested is None:
-        return tuple(names)
+        return None
     picked = [part.strip() for part in str(requested).split(",") if part.strip()]
     for name in picked:
         if name not in names:

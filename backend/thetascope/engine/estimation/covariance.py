@@ -45,7 +45,7 @@ def has_spread(estimator: Estimator) -> bool:
 
 def first_spread(estimator: Estimator) -> np.ndarray:
     """Return the initial S: the first estimates deviate by a state's scale and by a typical fault."""
-    first = _scales(estimator)[0] ** 2
+    first = np.array(_scales(estimator)[3]) ** 2
     return np.concatenate([np.diag(first)[np.triu_indices(len(first))], np.zeros(len(estimator.channels))])
 
 
@@ -87,7 +87,7 @@ class _Plan:
     @property
     def size(self) -> int:
         """Return the number of estimates."""
-        return len(self.shape.x) + len(self.shape.theta)
+        return len(self.shape.estimates)
 
 
 @lru_cache(maxsize=128)
@@ -107,7 +107,7 @@ def _spread(
     """Return S at the rows and after them, and the standard deviations of θ̂ at the rows (p × rows)."""
     plan, index, count = _plan(estimator.program), rows.index, len(rows.index)
     n, p = plan.size, len(plan.shape.theta)
-    scales, typical, slowest = _scales(estimator)
+    scales, typical, slowest, _ = _scales(estimator)
     A, root = _linear(plan, experiment, estimator, _seen(plan, experiment, estimator, rows, states, values), count)
     if estimator.every is None:
         interval, end = experiment.every * experiment.step, 0.5
@@ -124,7 +124,7 @@ def _spread(
     table = propagate(F, Q, W, S / in_units, steps, (interval, memory, follow, end)) * in_units
     variances = np.flatnonzero(np.equal(*np.triu_indices(n)))[n - p :]
     sigma = np.sqrt(np.maximum(table[:-1, variances].T, 0.0))
-    estimates = states[:, [plan.places[s] for s in (*plan.shape.x, *plan.shape.theta)]]
+    estimates = states[:, [plan.places[s] for s in plan.shape.estimates]]
     sigma[:, ~np.isfinite(estimates).all(axis=1)] = np.nan
     return table, np.minimum(sigma, WIDEST * typical[:, None])
 
@@ -163,21 +163,23 @@ def _linear(
     return A, root
 
 
-_known: dict[int, tuple[Context, tuple[np.ndarray, np.ndarray, float]]] = {}
+_Sizes = tuple[np.ndarray, np.ndarray, float, np.ndarray]
+_known: dict[int, tuple[Context, _Sizes]] = {}
 
 
-def _scales(estimator: Estimator) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return the scales of (x̂, θ̂) and of θ̂, and the plant's slowest rate; cached per context."""
+def _scales(estimator: Estimator) -> _Sizes:
+    """Return the scales of the estimates and of θ̂, the plant's slowest rate, and the deviations of the first
+    estimates; cached per context."""
     context = estimator.context
     cached = _known.get(id(context))
     if cached is None or cached[0] is not context:
         typical = np.array(typical_sizes(context))
         if len(_known) > 512:
             _known.clear()
-        cached = _known[id(context)] = (
-            context,
-            (np.concatenate([state_scales(context), typical]), typical, pace(context)),
-        )
+        x = np.array(state_scales(context) if _plan(estimator.program).shape.x else [])
+        carried = np.reshape(estimator.kind.carried(context), (-1, 2))
+        scales, first = np.concatenate([x, carried[:, 0], typical]), np.concatenate([x, carried[:, 1], typical])
+        cached = _known[id(context)] = context, (scales, typical, pace(context), first)
     return cached[1]
 
 

@@ -16,7 +16,8 @@ variance grows by FADING·h instead, at most at the plant's slowest rate, so tha
 lost.
 
 Gains that are states themselves (Γ, P, Υ) are taken as given: noise in them multiplies a residual that is zero but for
-noise, an effect of second order.
+noise, an effect of second order. States through which noise reaches θ̂ on its way, such as a filter of the output,
+belong to the estimates; their names begin with ``via.`` (`Observer.carried`).
 """
 
 from collections.abc import Callable
@@ -34,11 +35,18 @@ MOST = 1e9  # scales: the largest deviation that is kept
 
 @dataclass(frozen=True)
 class Shape:
-    """Names in an observer's program: its estimates of the state and of θ, and the outputs it receives."""
+    """Names in an observer's program: its estimates of the state and of θ, the outputs it receives, and the states
+    through which noise reaches θ̂."""
 
     x: tuple[str, ...]
     theta: tuple[str, ...]
     outputs: tuple[str, ...]
+    via: tuple[str, ...] = ()
+
+    @property
+    def estimates(self) -> tuple[str, ...]:
+        """Return all states whose covariance is computed, θ̂ last."""
+        return (*self.x, *self.via, *self.theta)
 
 
 def shape_of(program: Program) -> Shape:
@@ -47,6 +55,7 @@ def shape_of(program: Program) -> Shape:
         tuple(s for s in program.states if s.startswith("xh.")),
         tuple(s for s in program.states if s.startswith("thetah.")),
         tuple(i for i in program.inputs if i.startswith("y.")),
+        tuple(s for s in program.states if s.startswith("via.")),
     )
 
 
@@ -61,7 +70,7 @@ def companion(program: Program) -> Program:
 
 def _write(program: Program) -> Program:
     shape, graph = shape_of(program), Graph()
-    estimates = (*shape.x, *shape.theta)
+    estimates = shape.estimates
     place = {s: i for i, s in enumerate(program.states)}
     moved = graph.absorb(program.graph, program.update)
     given = [f"now.{o}" if program.time == DISCRETE else o for o in shape.outputs]

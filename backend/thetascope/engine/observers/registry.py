@@ -21,6 +21,11 @@ _MODULES = {
     "adaptive-kalman-discrete": "kalman.adaptive_kalman_discrete",
     "joint-ekf": "kalman.joint_ekf",
     "joint-ukf": "kalman.joint_ukf",
+    "proportional-integral": "classical.proportional_integral",
+    "extended-state": "classical.extended_state",
+    "sliding-mode": "classical.sliding_mode",
+    "unknown-input": "classical.unknown_input",
+    "drem": "classical.drem",
 }
 
 

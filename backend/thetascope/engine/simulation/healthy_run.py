@@ -17,7 +17,7 @@ from thetascope.engine.compiler.system import DISCRETE, Program
 from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.inputs.signals import Signal, constant
 from thetascope.engine.observers.support.declaration import Context
-from thetascope.engine.observers.support.scales import Scales
+from thetascope.engine.observers.support.scales import Rows, Scales, Slopes
 from thetascope.engine.programs.propagation import exponentials, jacobians
 from thetascope.engine.simulation.controlled import Repeated
 from thetascope.engine.simulation.experiment import Experiment, leading_rows
@@ -32,6 +32,7 @@ _SMALL = 1e-3
 _INFINITE = 1e150  # the square of a larger number is not finite
 _POINTS = 24  # of the run at which eigenvalues are computed
 _GROWTH_POINTS = 200  # of the run between which the growth of a small change is computed
+_LARGEST = 40  # states and fault channels together up to which a linearisation is kept
 _INTEGRATOR = 1e-3  # eigenvalues below this fraction of the largest at a point count as integrators
 _ROUNDING = 1e-9  # changes below this fraction of the size of a quantity count as none
 _ESCAPES = 1e8  # a state that grows to this multiple of its early size belongs to an unstable plant
@@ -149,6 +150,22 @@ class _Healthy:
         first = float(np.median(C[np.isfinite(C)])) if np.isfinite(C).any() else 0.0
         return (first, *(float(a) for a in np.median(np.diagonal(A, 1, axis1=1, axis2=2), axis=0)))
 
+    def _linear(self) -> Slopes | None:
+        """Return `Scales.slopes`; None without a row at which all derivatives are finite."""
+        e, points = self.experiment, self._points(len(self.x))
+        faults = tuple(f"theta.{channel['name']}" for channel in self.data["channels"])
+        n, m = len(e.plant.states), len(e.plant.outputs)
+        if e.plant.time == DISCRETE or n + len(faults) > _LARGEST or not len(points):
+            return None
+        roots, by = (*e.plant.update, *e.plant.outputs.values()), (*e.plant.states, *faults)
+        slopes = _slopes(e.plant, roots, self._values(points), len(points), by)
+        slopes = slopes[np.isfinite(slopes).all(axis=(1, 2))]
+        if not len(slopes):
+            return None
+        middle = np.median(slopes, axis=0)
+        parts = middle[:n, :n], middle[n : n + m, :n], middle[:n, n:], middle[n : n + m, n:]
+        return Slopes(*(_rows(part) for part in parts))
+
     def _pace(self, rows: int) -> float:
         """Return the rate of the plant; without eigenvalues that of its motion, without motion ten times 1/span."""
         rate = self._rate(self._points(rows)) if rows else 0.0
@@ -195,7 +212,8 @@ class _Healthy:
         largest = np.abs(self.x).max(axis=0, initial=0.0) if self.stable else self.base
         extents = np.maximum(np.maximum(x, largest), self.base)
         of_x, of_y, of_extents = (tuple(map(float, values)) for values in (x, y, extents))
-        return Scales(of_x, of_y, of_extents, rate, self.span, self._amplification(extents), self._chain())
+        growth = self._amplification(extents)
+        return Scales(of_x, of_y, of_extents, rate, self.span, growth, self._chain(), self._linear())
 
     def _amplification(self, extents: np.ndarray) -> float:
         """Return the largest growth of a small change between two rows, relative to ``extents``; at least 1."""
@@ -270,17 +288,24 @@ def _jacobians(plant: Program, values: dict, count: int) -> np.ndarray:
     return _slopes(plant, plant.update, values, count)
 
 
-def _slopes(plant: Program, roots: tuple[int, ...], values: dict, count: int) -> np.ndarray:
-    graph = Graph(plant.graph.nodes)
-    rows = derivatives(graph, list(roots), plant.states)
-    nodes = [row[s] for row in rows for s in plant.states if s in row]
+def _slopes(
+    plant: Program, roots: tuple[int, ...], values: dict, count: int, by: tuple[str, ...] | None = None
+) -> np.ndarray:
+    """Return the derivatives of nodes by the states, or by other variables, at rows (count, roots, variables)."""
+    graph, by = Graph(plant.graph.nodes), by or plant.states
+    rows = derivatives(graph, list(roots), by)
+    nodes = [row[s] for row in rows for s in by if s in row]
     numbers = iter(evaluate(graph, nodes, values))
-    slopes = np.zeros((count, len(rows), len(plant.states)))
+    slopes = np.zeros((count, len(rows), len(by)))
     for i, row in enumerate(rows):
-        for j, s in enumerate(plant.states):
+        for j, s in enumerate(by):
             if s in row:
                 slopes[:, i, j] = next(numbers)
     return slopes
+
+
+def _rows(matrix: np.ndarray) -> Rows:
+    return tuple(tuple(float(entry) for entry in row) for row in matrix)
 
 
 def _balanced(A: np.ndarray) -> np.ndarray:

@@ -25,6 +25,10 @@ const SHORT = /** @type {{[kind: string]: string}} */ ({
   'adaptive-kalman-discrete': 'sampled',
   'joint-ekf': 'ekf',
   'joint-ukf': 'ukf',
+  'proportional-integral': 'integral',
+  'extended-state': 'eso',
+  'sliding-mode': 'sliding',
+  'unknown-input': 'decoupled',
 });
 
 /**

@@ -209,7 +209,10 @@ class Observer:
 
     ``equations``: (number in the paper, formula) for a reader, in the notation of
     engine/language/render/unicode_math.py; ``where``: (symbol, its meaning). The catalogues have a title and a summary
-    for every id.
+    for every id. ``chooses`` returns the fault channels to estimate where the user names none, for a context with all
+    of them; by default all. ``constants``: the numbers of `Draft.constant`, designed for the plant. ``carried``: for
+    each state whose name begins with ``via.``, its scale and the deviation of its first value; see
+    engine/estimation/covariance_equations.py.
     """
 
     id: str
@@ -224,6 +227,9 @@ class Observer:
     diagnostics: Callable[[Observed], dict[str, np.ndarray]] = lambda run: {}
     equations: tuple[tuple[str, str], ...] = ()
     where: tuple[tuple[str, Message], ...] = ()
+    chooses: Callable[[Context], tuple[str, ...]] | None = None
+    constants: Callable[[Context], dict[str, np.ndarray]] | None = None
+    carried: Callable[[Context], Sequence[tuple[float, float]]] = lambda context: ()
 
     @property
     def title(self) -> Message:

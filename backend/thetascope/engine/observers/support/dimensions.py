@@ -33,11 +33,13 @@ STATE_PER_OUTPUT_SECOND = Dimension(Message("unit.state-per-output-second"), sta
 STATE_SQUARED = Dimension(Message("unit.state-squared"), state=2)
 STATE_SQUARED_PER_SECOND = Dimension(Message("unit.state-squared-per-second"), state=2, time=-1)
 OUTPUT = Dimension(Message("unit.output"), output=1)
+OUTPUT_PER_SECOND = Dimension(Message("unit.output-per-second"), output=1, time=-1)
 OUTPUT_SQUARED = Dimension(Message("unit.output-squared"), output=2)
 OUTPUT_SQUARED_SECONDS = Dimension(Message("unit.output-squared-seconds"), output=2, time=1)
 OUTPUT_PER_FAULT_SQUARED_SECONDS = Dimension(
     Message("unit.output-per-fault-squared-seconds"), output=2, fault=-2, time=1
 )
+FAULT_PER_OUTPUT_SECOND = Dimension(Message("unit.fault-per-output-second"), fault=1, output=-1, time=-1)
 FAULT_SQUARED = Dimension(Message("unit.fault-squared"), fault=2)
 FAULT_PER_ROOT_SECOND = Dimension(Message("unit.fault-per-root-second"), fault=1, time=-0.5)
 FAULT_PER_OUTPUT_SQUARED = Dimension(Message("unit.fault-per-output-squared"), fault=2, output=-2)

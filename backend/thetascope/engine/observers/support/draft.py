@@ -54,6 +54,7 @@ class Draft:
         self._products: dict[tuple[ImmutableMatrix, ImmutableMatrix], Matrix] = {}
         self._symmetric: list[Matrix] = []
         self._claimed_symmetric: list[tuple[str, Matrix]] = []
+        self._constants: dict[str, list[Symbol]] = {}
         self._points = Points(self.channels, self.period, self._let)
         self.facts: dict[str, Any] = {}
         """Results of the design that checks and the user need; must be JSON."""
@@ -83,6 +84,12 @@ class Draft:
             return sympy.Symbol(names[0], real=True)
         rows, columns = size if isinstance(size, tuple) else (size, 1)
         return Matrix(symbols_matrix(rows, columns, lambda i, j: names[i * columns + j]), name, self)
+
+    def constant(self, name: str, rows: int, columns: int) -> Matrix:
+        """Return numbers designed for the plant, rows × columns, which `Observer.constants` gives at run time."""
+        entries = symbols_matrix(rows, columns, lambda i, j: f"k.{name}.{i}.{j}")
+        self._constants[name] = list(entries)
+        return Matrix(entries, name, self)
 
     @property
     def period(self) -> Symbol:
@@ -296,6 +303,7 @@ class Draft:
         groups = (("u", model.inputs), ("signal", model.signal_names), ("y", model.outputs))
         inputs = [s for when in times for prefix, names in groups for s in symbols(when + prefix, names)]
         gains = [sympy.Symbol(s, real=True) for g, size in self.gains.items() for s in gain_symbols(g, size)]
+        gains += [s for constants in self._constants.values() for s in constants]
         if self.time != CONTINUOUS:
             gains.append(self.period)
         after = self._after_events(name)

@@ -37,7 +37,7 @@ def offer_linearisation(d: Draft, A: Matrix, C: Matrix, Phi: Matrix, Psi: Matrix
             d.outputs(name, matrix)
 
 
-def _matrices(run: Observed) -> tuple[np.ndarray, ...]:
+def scaled_matrices(run: Observed) -> tuple[np.ndarray, ...]:
     """Return A, C, Φ, Ψ at every row, scaled: (time, n, n), (time, m, n), (time, n, p), (time, m, p)."""
     c, p = run.context, len(run.channels)
     x, y, theta = (np.array(s) for s in (state_scales(c), output_scales(c), typical_sizes(c)))
@@ -48,7 +48,7 @@ def _matrices(run: Observed) -> tuple[np.ndarray, ...]:
     return A, C, Phi, Psi
 
 
-def _picked(*matrices: np.ndarray) -> np.ndarray:
+def picked_rows(*matrices: np.ndarray) -> np.ndarray:
     """Return rows, spread over the run, at which all matrices are finite."""
     finite = np.flatnonzero(np.all([np.isfinite(M).all(axis=(1, 2)) for M in matrices], axis=0))
     return (
@@ -58,7 +58,8 @@ def _picked(*matrices: np.ndarray) -> np.ndarray:
     )
 
 
-def _too_large(name: Message, run: Observed, source: str) -> Check:
+def too_large(name: Message, run: Observed, source: str) -> Check:
+    """Return the check of a plant whose Jacobians were not recorded."""
     return Check(
         name,
         CANNOT_TELL,
@@ -71,9 +72,9 @@ def observability(run: Observed, source: str) -> Check:
     """Check the rank of the observability matrix of (A, C), frozen along the run."""
     name = Message("check.observability")
     if not run.facts["linearised"]:
-        return _too_large(name, run, source)
-    A, C, _, _ = _matrices(run)
-    rows = _picked(A, C)
+        return too_large(name, run, source)
+    A, C, _, _ = scaled_matrices(run)
+    rows = picked_rows(A, C)
     if not len(rows):
         return Check(name, CANNOT_TELL, NO_ESTIMATE, source=source)
     ratios = []
@@ -118,10 +119,10 @@ def closed_loop(run: Observed, source: str, period: float | None = None) -> Chec
     """Check the eigenvalues of A − KC (F(I − KC) over a sample ``period``), K = P Cᵀ R⁻¹, frozen along the run."""
     name = stability("A − KC", discrete=False) if period is None else stability("F(I − KC)", discrete=True)
     if not run.facts["linearised"]:
-        return _too_large(name, run, source)
+        return too_large(name, run, source)
     n, m = run.context.n, run.context.m
     A, C, P = run.matrix("A", n, n), run.matrix("C", m, n), run.matrix("P", n, n, symmetric=True)
-    rows = _picked(A, C, P)
+    rows = picked_rows(A, C, P)
     rows = rows[rows > len(P) // 10]  # the transient of P(0) is not subject to the theorem
     if not len(rows):
         return Check(name, CANNOT_TELL, NO_ESTIMATE, source=source)
@@ -167,10 +168,10 @@ def joint_observability(run: Observed, period: float, source: str) -> Check:
     """Check λmin of the observability Gramian of (x, θ) over windows: whether this input excites all directions."""
     name, delta = Message("check.joint-observability"), run.gain("delta")
     if not run.facts["linearised"]:
-        return _too_large(name, run, source)
+        return too_large(name, run, source)
     requested = max(2, round(run.gain("window") / run.interval))
     length = min(requested, _WINDOW)
-    matrices = _matrices(run)
+    matrices = scaled_matrices(run)
     rows = len(run.values["t"])
     starts = np.unique(np.linspace(0, rows - length, 6).astype(int)) if rows >= length else np.empty(0, dtype=int)
     smallest = [g for g in (_gramian(run, matrices, k, length, period) for k in starts) if g is not None]

@@ -9,6 +9,24 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 
+Rows = tuple[tuple[float, ...], ...]
+"""A matrix as rows of numbers, which can be compared and hashed."""
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """The linearisation of a healthy plant: medians, entry by entry, along its run, in the plant's own units.
+
+    Attributes:
+        A, C: ∂f/∂x (n×n) and ∂h/∂x (m×n).
+        Phi, Psi: the effects of all fault channels on the rates (n×p) and on the outputs (m×p).
+    """
+
+    A: Rows
+    C: Rows
+    Phi: Rows
+    Psi: Rows
+
 
 @dataclass(frozen=True)
 class Scales:
@@ -23,6 +41,7 @@ class Scales:
             run; at least 1.
         chain: with one output, its slope along the first state, then the slope of each state's rate along the next
             state: medians along the run (n,). Empty with several outputs.
+        slopes: the linearisation that constant gains are designed for; None for a large or discrete plant.
     """
 
     states: tuple[float, ...]
@@ -32,6 +51,7 @@ class Scales:
     span: float
     amplification: float = 1.0
     chain: tuple[float, ...] = ()
+    slopes: Slopes | None = None
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""Observers that fault diagnosis reaches for first, with gains designed at the plant's operating point."""
