@@ -59,7 +59,7 @@ plant's model is saturated to the plant's physical domain; estimates are not.
 In an experiment: `observers: [{label: mine, kind: adaptive-kalman, gains: {lambda: 2}, initial: {x1: 0}}]`.
 `options.channels` lists the fault channels to estimate (default: all, or those that the observer can tell apart). A
 gain per state, output or fault takes a list. A default "from the plant" depends on the plant, the declared noise or the
-sampling; `GET /api/catalogue` has all of this as JSON.
+sampling; `GET /api/catalogue` has all of this as JSON. [Which observer?](which-observer.md) helps to choose.
 """
 
 
@@ -100,6 +100,7 @@ def section(kind: Observer) -> str:
     parts = [
         f'## <a id="{kind.id}"></a>{kind.title}\n',
         f"`{kind.id}`, in [{Path(file).name}](../{file}); runs {times[kind.time]}, estimates {estimates}.\n",
+        f"Take it {kind.when}.\n",
         f"{module.__doc__.strip()}\n",
         f"What runs, as it is written there:\n\n```python\n{inspect.getsource(kind.write).strip()}\n```\n",
         table("Gain | Meaning | Default | Bounds | Unit", map(gain, kind.gains)),

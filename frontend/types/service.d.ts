@@ -2156,6 +2156,8 @@ export interface ObserverKind {
   title: string;
   source: string;
   summary: string;
+  /** When to take it: the end of a sentence. */
+  when: string;
   time: string;
   estimates_theta: boolean;
   gains: (GainForm)[];

@@ -112,6 +112,7 @@ class ObserverKind(Strict):
     title: str
     source: str
     summary: str
+    when: str = Field(description="When to take it: the end of a sentence.")
     time: str
     estimates_theta: bool
     gains: tuple[GainForm, ...]

@@ -91,7 +91,7 @@ def test_it_equals_plain_numpy(luenberger):
 
 def messages_of(kind: Observer) -> Iterator[str]:
     """Yield the codes of everything that an observer shows to users."""
-    yield from (kind.title.code, kind.summary.code)
+    yield from (kind.title.code, kind.summary.code, kind.when.code)
     yield from (item.meaning.code for item in (*kind.gains, *kind.options))
     yield from (counted_by(size).code for gain in kind.gains for size in (gain.size, gain.columns) if callable(size))
     yield from (meaning.code for _, meaning in kind.where)

@@ -18,6 +18,7 @@ def _kind(kind: Observer, language: str) -> dict:
         "title": text_of(kind.title, language),
         "source": text_of(kind.source, language),
         "summary": text_of(kind.summary, language),
+        "when": text_of(kind.when, language),
         "time": kind.time,
         "estimates_theta": kind.estimates_theta,
         "gains": [_gain(g, language) for g in kind.gains],

@@ -94,14 +94,16 @@ def _reason(error: float | None, report: ObserverReport) -> Message:
 
 
 def estimation_error(result: Result, plant: Plant) -> float | None:
-    """Return the root mean square error of all estimated faults over the run, in typical faults; None without any."""
+    """Return the root mean square error of all faults over the run, in typical faults; None if it estimates none.
+
+    A fault that it leaves out counts as estimated by 0, so that estimating fewer faults is no advantage.
+    """
     errors = []
     for channel in plant.channels:
-        name = f"o.theta.{channel.name}"
-        if name in result.names:
-            wrong = result.column(name) - result.column(f"theta.{channel.name}")
-            errors.append(wrong / channel.typical)
-    if not errors:
+        name, true = f"o.theta.{channel.name}", result.column(f"theta.{channel.name}")
+        found = result.column(name) if name in result.names else np.zeros_like(true)
+        errors.append((found - true) / channel.typical)
+    if not any(name.startswith("o.theta.") for name in result.names):
         return None
     error = float(np.sqrt(np.mean(np.square(errors))))
     return error if np.isfinite(error) else None

@@ -61,6 +61,7 @@ export function createAdder(element, app, kinds, done) {
     spellcheck: 'false',
   });
   const about = h('p', {class: 'soft small'});
+  const when = h('p', {class: 'soft small'});
   const options = h('div', {class: 'entries'});
   const problem = h('p', {class: 'refused', role: 'alert'});
   const add = h('button', {type: 'submit', class: 'press'}, t('page.observers.add'));
@@ -77,6 +78,7 @@ export function createAdder(element, app, kinds, done) {
   const choose = () => {
     const kind = chosen();
     about.textContent = named(kind?.summary) ?? '';
+    when.textContent = kind ? t('page.observers.when', {when: named(kind.when)}) : '';
     if (!typed) label.value = free(SHORT[kind?.id ?? ''] ?? kind?.id ?? 'observer', observers);
     inputs.clear();
     fill(options, kind && plant ? optionFields(kind, plant, inputs) : null);
@@ -92,6 +94,7 @@ export function createAdder(element, app, kinds, done) {
     {class: 'add-form', 'aria-label': t('page.observers.add-title')},
     menu,
     about,
+    when,
     h('div', {class: 'entries'}, h('label', {}, t('page.observers.label')), label),
     options,
     problem,

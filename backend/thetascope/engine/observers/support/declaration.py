@@ -208,10 +208,10 @@ class Observer:
     """One kind of observer. ``write`` puts its equations into a Draft; it raises SpecError where it cannot be built.
 
     ``equations``: (number in the paper, formula) for a reader, in the notation of
-    engine/language/render/unicode_math.py; ``where``: (symbol, its meaning). The catalogues have a title and a summary
-    for every id. ``chooses`` returns the fault channels to estimate where the user names none, for a context with all
-    of them; by default all. ``constants``: the numbers of `Draft.constant`, designed for the plant. ``carried``: for
-    each state whose name begins with ``via.``, its scale and the deviation of its first value; see
+    engine/language/render/unicode_math.py; ``where``: (symbol, its meaning). The catalogues have a title, a summary and
+    when to take it for every id. ``chooses`` returns the fault channels to estimate where the user names none, for a
+    context with all of them; by default all. ``constants``: the numbers of `Draft.constant`, designed for the plant.
+    ``carried``: for each state whose name begins with ``via.``, its scale and the deviation of its first value; see
     engine/estimation/covariance_equations.py.
     """
 
@@ -240,3 +240,8 @@ class Observer:
     def summary(self) -> Message:
         """Return the purpose of the kind in a sentence."""
         return Message(f"observer.{self.id}.summary")
+
+    @property
+    def when(self) -> Message:
+        """Return when to take the kind: the end of a sentence that begins with "Take it"."""
+        return Message(f"observer.{self.id}.when")
