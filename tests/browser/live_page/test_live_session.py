@@ -44,15 +44,21 @@ def test_a_link_gives_the_same_numbers_in_another_browser(tab, page, server):
 
 
 def test_loading_the_page_again_keeps_the_session_and_its_control(page):
-    """A reload joins the same session, with control."""
+    """A reload joins the same session, with control; its phase planes and the full comparison are open again."""
     opened = page(PAUSED)
     ready(opened)
     changed(opened)
+    opened.evaluate(f"{APP}.act.plane(0, {{x: 'input.u', y: 'theta.theta1'}}); {APP}.act.table(true)")
     session = state(opened, "session")
     until(opened, f"location.hash.startsWith('#s=') && location.href === await {APP}.act.link()")
     reload(opened)
     ready(opened)
     assert state(opened, "session") == session and state(opened, "role") == "control"
+    until(
+        opened,
+        "document.querySelectorAll('#planes canvas').length === 1 && !document.querySelector('#panel-table').hidden",
+    )
+    assert state(opened, "planes") == [{"x": "input.u", "y": "theta.theta1"}]
     send(opened, "{type: 'clear'}")
 
 
