@@ -8,6 +8,7 @@ import {heading, link} from '../../../widgets/controls.js';
 import {power} from '../../../widgets/number-format.js';
 import {createSignalRow} from '../../../widgets/signal/signal-row.js';
 import {named, t} from '../../../i18n/words.js';
+import {foldsAway} from '../unfolded.js';
 import {itemsOf, presentSignal, rangeOf} from './present-signal.js';
 
 /** @import {App} from '../../types.js' */
@@ -17,12 +18,7 @@ import {itemsOf, presentSignal, rangeOf} from './present-signal.js';
 /** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   const panel = new InputsPanel(element, app);
-  element.addEventListener('keydown', (event) => {
-    if (event.key !== 'Escape' || !panel.open || event.defaultPrevented || app.state.presentation) return;
-    event.preventDefault();
-    panel.unfold(false);
-    panel.toggle.focus();
-  });
+  foldsAway(element, app, panel, () => app.state.presentation);
   app.subscribe(
     (state) => [state.plant, state.language, state.session],
     () => panel.build(),
@@ -42,12 +38,6 @@ export function mount(element, app) {
   app.subscribe(
     (state) => [state.diagnosis, state.checks],
     () => panel.judge(),
-  );
-  app.subscribe(
-    (state) => state.site,
-    (site) => {
-      if (site && panel.open && !app.state.presentation) panel.unfold(false);
-    },
   );
   app.onTick(() => {
     panel.follow();

@@ -5,6 +5,7 @@ import {fill, h} from '../../../common/dom.js';
 import {AS_MODEL, complete, differences} from '../../../widgets/truth-differences.js';
 import {heading, link, refusal} from '../../../widgets/controls.js';
 import {t} from '../../../i18n/words.js';
+import {foldsAway} from '../unfolded.js';
 import * as edits from './truth-edits.js';
 import {dynamicsSection} from './truth-dynamics.js';
 import {noiseSection, parameterSection, sensorSection} from './truth-sections.js';
@@ -17,12 +18,7 @@ import {TruthSource} from './truth-source.js';
 /** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   const panel = new TruthPanel(element, app);
-  element.addEventListener('keydown', (event) => {
-    if (event.key !== 'Escape' || !panel.open || event.defaultPrevented) return;
-    event.preventDefault();
-    panel.unfold(false);
-    panel.toggle.focus();
-  });
+  foldsAway(element, app, panel);
   app.subscribe(
     (state) => [state.plant, state.language, state.session],
     () => panel.build(),
@@ -38,12 +34,6 @@ export function mount(element, app) {
   app.subscribe(
     (state) => state.role,
     () => panel.enable(),
-  );
-  app.subscribe(
-    (state) => state.site,
-    (site) => {
-      if (site && panel.open) panel.unfold(false);
-    },
   );
 }
 
