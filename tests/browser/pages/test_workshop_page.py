@@ -107,7 +107,7 @@ def test_the_remedy_of_an_error_stays_in_sight_beside_long_lines(shop):
 
 
 def test_a_fault_is_added_by_pointing_at_an_equation(shop):
-    """The consequences are in sight before; Escape leaves no trace, and Add leaves the new channel in the text."""
+    """The consequences are in sight before; Escape leaves no trace, and Add leaves the new channel with its bounds."""
     paste(shop, TANK)
     until(shop, READY + " && document.querySelector('.matrix')")
     columns = shop.locator(".matrix thead th").count()
@@ -120,6 +120,11 @@ def test_a_fault_is_added_by_pointing_at_an_equation(shop):
     shop.click(".pattern:has-text('Bias')")
     shop.fill("#fault-name", "draught")
     until(shop, "document.querySelector('.matrix .rowname:last-child, .matrix tbody')?.textContent.includes('draught')")
+    shop.fill("#fault-low", "-2")
+    shop.fill("#fault-high", "x")
+    until(shop, "document.querySelector('#fault-high').ariaInvalid === 'true'")
+    shop.fill("#fault-high", "5")
+    until(shop, "document.querySelector('.cm-content').textContent.includes('bounds: [-2.0, 5.0]')")
     shop.click("#add-fault")
     assert not shop.locator(".fault-popover").count()
     until(shop, READY + " && document.querySelector('.eqs').textContent.includes('draught')")

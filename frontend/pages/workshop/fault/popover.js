@@ -56,6 +56,15 @@ function show(store, editor, name, patterns, anchor) {
   const nameField = h('input', {id: 'fault-name', oninput: soon});
   const titleField = h('input', {id: 'fault-title', oninput: soon});
   const sizeField = h('input', {id: 'fault-size', inputmode: 'decimal', oninput: soon});
+  const [lowField, highField] = ['low', 'high'].map((end) =>
+    h('input', {
+      id: `fault-${end}`,
+      inputmode: 'decimal',
+      'aria-label': t(`page.workshop.fault.bounds.${end}`),
+      placeholder: '–',
+      oninput: soon,
+    }),
+  );
   const keep = h('input', {type: 'checkbox', onchange: apply});
   const kept = h('label', {class: 'conserve'}, keep, h('span'));
   const list = h('div', {class: 'patterns', role: 'radiogroup', 'aria-label': t('page.workshop.fault.patterns')});
@@ -100,6 +109,8 @@ function show(store, editor, name, patterns, anchor) {
       titleField,
       h('label', {for: 'fault-size'}, t('page.workshop.fault.size')),
       sizeField,
+      h('label', {for: 'fault-low', title: t('page.workshop.fault.bounds.hint')}, t('page.workshop.fault.bounds')),
+      h('span', {class: 'fault-bounds'}, lowField, ' … ', highField),
     ),
     kept,
     h(
@@ -155,6 +166,7 @@ function show(store, editor, name, patterns, anchor) {
       name: pattern.term || name,
     });
     sizeField.value = number(channel.typical).replace('−', '-');
+    [lowField.value, highField.value] = channel.bounds.map((one) => (one === null ? '' : String(one)));
     keep.checked = false;
     draw();
     /** @type {HTMLElement | null} */ (list.querySelector('.on'))?.focus();
@@ -171,7 +183,8 @@ function show(store, editor, name, patterns, anchor) {
     const turn = (latest += 1);
     const {channel, conserved, states, parameters, equations} = chosen;
     const size = Number(sizeField.value);
-    const {name: given, kind, enters, bounds, unit} = channel;
+    const {name: given, kind, enters, unit} = channel;
+    const bounds = [lowField, highField].map((field, end) => boundIn(field, channel.bounds[end]));
     const written = {
       name: nameField.value.trim() || given,
       title: titleField.value.trim(),
@@ -248,6 +261,19 @@ function show(store, editor, name, patterns, anchor) {
   document.body.append(box);
   choose(chosen);
   return cancel;
+}
+
+/**
+ * The bound in a field, null of an empty one; where it holds no number it is marked, and the bound stays as it was.
+ * @param {HTMLInputElement} field
+ * @param {number | null} before
+ */
+function boundIn(field, before) {
+  const text = field.value.trim().replace('−', '-');
+  const value = text === '' ? null : Number(text);
+  const wrong = value !== null && !Number.isFinite(value);
+  field.setAttribute('aria-invalid', String(wrong));
+  return wrong ? before : value;
 }
 
 /**
