@@ -2160,6 +2160,8 @@ export interface ObserverKind {
   when: string;
   time: string;
   estimates_theta: boolean;
+  /** Whether it takes, by default, only the faults of a plant that it can tell apart. */
+  chooses: boolean;
   gains: (GainForm)[];
   options: (OptionForm)[];
 }

@@ -115,6 +115,9 @@ class ObserverKind(Strict):
     when: str = Field(description="When to take it: the end of a sentence.")
     time: str
     estimates_theta: bool
+    chooses: bool = Field(
+        description="Whether it takes, by default, only the faults of a plant that it can tell apart."
+    )
     gains: tuple[GainForm, ...]
     options: tuple[OptionForm, ...]
 

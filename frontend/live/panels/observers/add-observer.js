@@ -191,7 +191,7 @@ function free(base, observers) {
  */
 function optionFields(kind, plant, inputs) {
   const fields = [];
-  if (kind.estimates_theta && plant.channels.length > 1) fields.push(channelField(plant, inputs));
+  if (kind.estimates_theta && plant.channels.length > 1) fields.push(channelField(plant, inputs, kind.chooses));
   for (const option of kind.options) {
     const input =
       option.kind === 'choice'
@@ -214,22 +214,27 @@ function optionFields(kind, plant, inputs) {
   return fields;
 }
 
-/** @param {Plant} plant @param {Inputs} inputs */
-function channelField(plant, inputs) {
+/**
+ * The faults to estimate: all by default, or those that the kind takes by itself.
+ * @param {Plant} plant
+ * @param {Inputs} inputs
+ * @param {boolean} chooses
+ */
+function channelField(plant, inputs, chooses) {
   const boxes = plant.channels.map(({name, title}) => ({
-    box: h('input', {type: 'checkbox', value: name, checked: true}),
+    box: h('input', {type: 'checkbox', value: name, checked: !chooses}),
     title: ` ${named(title) || name}`,
   }));
   inputs.set('channels', () => {
     const picked = boxes.filter(({box}) => box.checked).map(({box}) => box.value);
-    return picked.length === plant.channels.length || picked.length === 0 ? null : picked.join(',');
+    return picked.length === 0 || (!chooses && picked.length === plant.channels.length) ? null : picked.join(',');
   });
   return [
     h('span', {class: 'soft'}, t('page.observers.estimates')),
     h(
       'details',
       {class: 'fold'},
-      h('summary', {}, t('page.observers.channels')),
+      h('summary', {}, chooses ? t('page.observers.channels-chosen') : t('page.observers.channels')),
       h(
         'div',
         {class: 'boxes'},

@@ -56,7 +56,7 @@ from thetascope.messages import Message
 FAST = 4.0  # κ and 1/τ, times the rate at which a run lets a fault be learned
 LARGEST_FAULT = 5.0  # typical faults that ν can balance
 NOISE = 4.0  # standard deviations of the noise within the boundary layer
-STEEP = 20.0  # largest ρ/δ, times κ
+STEEP = 10.0  # largest ρ/δ, times κ
 SOURCE = "Edwards & Spurgeon 1998"
 
 
@@ -97,7 +97,7 @@ def default_amplitude(c: Context) -> list[float]:
 
 
 def default_layer(c: Context) -> list[float]:
-    """Return δ of each output: four standard deviations of its noise, and so wide that ρ/δ is at most 20 κ."""
+    """Return δ of each output: four standard deviations of its noise, and so wide that ρ/δ is at most 10 κ."""
     steep, kappa = _amplitude(c), STEEP * bandwidth(c, FAST)
     noise = zip(noise_std(c), output_scales(c), steep / kappa, strict=True)
     return [float(max(NOISE * std, least * y)) for std, y, least in noise]
