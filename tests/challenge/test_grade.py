@@ -19,6 +19,7 @@ TOLD = ChallengeTruth(
 ALIKE = TOLD.model_copy(
     update={"rivals": (*TOLD.rivals[:1], Rival(channel="pump", fair_until=None, until=None), TOLD.rivals[2])}
 )
+COARSE = ALIKE.model_copy(update={"seen": ((0.0, 0.0), (400.0, 200.0))})
 NOTHING = ChallengeTruth(fault=None, end=400.0)
 
 
@@ -51,6 +52,7 @@ NONE = ChallengeAnswer(verdict="none", at=10.0)
         (TOLD, alike("leak", "pump", "bias", at=10.0), (0, 0, 0, 0)),
         (TOLD, None, (0, 0, 0, 0)),
         (ALIKE, alike("leak", "pump"), (40, 20, 14, 20)),
+        (COARSE, alike("leak", "pump", at=108.0), (40, 20, 20, 20)),
         (ALIKE, alike("pump", "bias"), (0, 0, 0, 0)),
         (ALIKE, leak(), (20, 10, 0, 20)),
         (NOTHING, NONE, (40, 20, 20, 20)),

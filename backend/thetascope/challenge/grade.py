@@ -23,7 +23,6 @@ _FREE, _WORTHLESS = 0.05, 0.30  # relative errors of a size up to which it earns
 _ALLOWED = 2.0  # standard deviations of a size by which it may be wrong because of the noise
 _PATIENCE = 0.25  # share of the record after which nothing is left for being soon
 _EACH = 10  # points that a wrong accusation costs
-_SEEN = 5.0  # standard deviations from which something can be seen to be wrong
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ def _name(answer: ChallengeAnswer, truth: ChallengeTruth, at: float, last: float
 
 
 def _cannot(named: frozenset[str], right: str, truth: ChallengeTruth, at: float, last: float) -> _Name:
-    if right not in named or truth.deviations(at) < _SEEN:
+    if right not in named or NO_FAULT in truth.alike(at, fair=True):  # nothing could be seen yet
         return _Name(0.0, Message("challenge.name.not-alike"))
     final, then = truth.alike(last) - {NO_FAULT}, truth.alike(at) - {NO_FAULT}
     shares = [_overlap(named, final) if len(final) > 1 else 0.0, 0.5 * _overlap(named, then) if len(then) > 1 else 0.0]

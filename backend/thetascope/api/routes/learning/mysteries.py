@@ -33,7 +33,7 @@ def list_mystery_setups() -> Response:
     return json_response({"setups": lines})
 
 
-@router.get("/{seed}", response_model=Mystery, responses=documented(404, 429))
+@router.get("/{seed}", response_model=Mystery, responses=documented(404, 422, 429))
 async def get_mystery(request: Request, services: Use, seed: str, setup: Setup = None) -> Response:
     """Return the record of a seed, and what may have happened in it. The same seed returns the same record."""
     from thetascope.challenge.mystery import mystery_by
