@@ -61,7 +61,7 @@ export function say(message) {
 export function named(prose) {
   if (!prose || typeof prose !== 'object') return prose ?? '';
   const texts = /** @type {{[language: string]: string}} */ (prose);
-  return texts[language()] ?? texts.en ?? Object.values(texts)[0] ?? '';
+  return texts[language()] || texts.en || Object.values(texts).find(Boolean) || '';
 }
 
 /**

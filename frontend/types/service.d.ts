@@ -162,6 +162,14 @@ export interface Answer {
   right_if: (Condition)[];
 }
 
+/** One of the answers to a step's question. It is right where its conditions hold in the student's session. */
+export interface AnswerInput {
+  text: WordsInput;
+  /** A channel or an output: the answer is given by pointing at its place in the plant's picture. */
+  site?: string | null;
+  right_if: (ConditionInput)[];
+}
+
 /** The check of one assumption of an observer's theorem for the plant, the gains and the run. */
 export interface AssumptionCheck {
   name: Text;
@@ -342,6 +350,12 @@ export interface Choice {
   do: ({[name: string]: unknown})[];
 }
 
+/** A button that does something to the session, then runs it. */
+export interface ChoiceInput {
+  text: WordsInput;
+  do?: (Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | SetTruthNow | AddObserverNow | RemoveObserverNow | AddNote | RemoveNote | Reset)[];
+}
+
 /** End faults now: those of one channel, of one output, or all. */
 export interface Clear {
   /** Number of the command, chosen by the client. */
@@ -426,6 +440,15 @@ export interface Condition {
   at_most: number | null;
   /** True where there must be no such number. */
   none: boolean;
+}
+
+/** A condition on one measured number: at least, at most, or that it does not exist. */
+export interface ConditionInput {
+  measure: string;
+  at_least?: number | null;
+  at_most?: number | null;
+  /** True where there must be no such number. */
+  none?: boolean;
 }
 
 /** A constant value. */
@@ -559,9 +582,24 @@ export interface Counts {
   end: number | null;
 }
 
+/** How often a column, or the difference of two, comes beyond ±level: as often as a detector with it cries alarm. */
+export interface CountsInput {
+  kind: 'counts';
+  /** A column of the session, say y.y1. */
+  column: string;
+  minus?: string | null;
+  /** A level; dial: the one that the student has set. */
+  level: number | 'dial';
+  /** Time in s after the mark. */
+  start?: number;
+  /** None: until the end of the step. */
+  end?: number | null;
+}
+
 /** A lesson: experiments, and steps that run them. */
 export interface CourseLesson {
   id: string;
+  /** Its place in the course; 0: none. */
   number: number;
   minutes: number;
   title: Words;
@@ -569,6 +607,19 @@ export interface CourseLesson {
   outcome: Words;
   experiments: {[name: string]: Experiment};
   steps: (CourseStep)[];
+}
+
+/** A lesson: experiments, and steps that run them. */
+export interface CourseLessonInput {
+  id: string;
+  /** Its place in the course; 0: none. */
+  number?: number;
+  minutes: number;
+  title: WordsInput;
+  /** What one can do afterwards. */
+  outcome: WordsInput;
+  experiments: {[name: string]: ExperimentInput};
+  steps: (CourseStepInput)[];
 }
 
 /** A lesson of the course without its steps. */
@@ -614,6 +665,34 @@ export interface CourseStep {
   cause: Words | null;
 }
 
+/** One step of a lesson: one idea, one question. */
+export interface CourseStepInput {
+  title: WordsInput;
+  /** Paragraphs; **bold**. */
+  say: (WordsInput)[];
+  /** Fewer words, for the projector. */
+  short?: WordsInput | null;
+  /** None: the session of the step before stays; such a step runs nothing. */
+  start?: StepStartInput | null;
+  show?: StepViewInput;
+  ask?: WordsInput | null;
+  answers?: (AnswerInput)[];
+  choices?: (ChoiceInput)[];
+  dial?: DialInput | null;
+  sketch?: SketchInput | null;
+  /** Of a step with choices, a dial or a sketch. */
+  right_if?: (ConditionInput)[];
+  run?: StepRunInput | null;
+  measures?: {[name: string]: SettlesInput | LevelInput | CrossesInput | CountsInput | FoundInput | DivergedInput | GainNowInput};
+  /** The first whose conditions hold is shown. */
+  saw?: (SawInput)[];
+  /** Where to look first after a wrong answer. */
+  look?: WordsInput | null;
+  why?: (WordsInput)[];
+  /** The cause in large type, where an observer diverges. */
+  cause?: WordsInput | null;
+}
+
 /** The time in s after `since` at which a column, or the difference of two, is first above, below or beyond a level. */
 export interface Crosses {
   kind: 'crosses';
@@ -625,6 +704,19 @@ export interface Crosses {
   level: number | 'dial';
   /** Time in s after the mark. */
   since: number;
+}
+
+/** The time in s after `since` at which a column, or the difference of two, is first above, below or beyond a level. */
+export interface CrossesInput {
+  kind: 'crosses';
+  /** A column of the session, say y.y1. */
+  column: string;
+  minus?: string | null;
+  side: 'above' | 'below' | 'beyond';
+  /** A level; dial: the one that the student has set. */
+  level: number | 'dial';
+  /** Time in s after the mark. */
+  since?: number;
 }
 
 /** A curve: a column of the session, or the difference of two. */
@@ -798,6 +890,25 @@ export interface Dial {
   unit: string;
 }
 
+/** A slider for a gain of an observer, or for a level that is drawn on a strip and used by measures. */
+export interface DialInput {
+  text: WordsInput;
+  /** The observer whose gain it is; null: a level. */
+  observer?: string | null;
+  gain?: string | null;
+  /** The strip on which the level is drawn. */
+  strip?: string | null;
+  /** The least value. */
+  low: number;
+  /** The greatest value. */
+  high: number;
+  /** The value at the beginning, which does not meet the step's conditions. */
+  value: number;
+  /** A value that meets them. */
+  solution: number;
+  unit?: string;
+}
+
 /** Discrete time: the dynamics are the values at the next sample. */
 export interface DiscreteTime {
   kind: 'discrete';
@@ -814,6 +925,12 @@ export interface DiscreteTimeInput {
 
 /** The time in s after the mark at which an observer diverged; none where it did not. */
 export interface Diverged {
+  kind: 'diverged';
+  observer: string;
+}
+
+/** The time in s after the mark at which an observer diverged; none where it did not. */
+export interface DivergedInput {
   kind: 'diverged';
   observer: string;
 }
@@ -1411,6 +1528,15 @@ export interface Found {
   since: number;
 }
 
+/** The time in s from `since` to the first alarm of the detector that names a channel; none without one. */
+export interface FoundInput {
+  kind: 'found';
+  /** None: any channel. */
+  channel?: string | null;
+  /** Time in s after the mark. */
+  since?: number;
+}
+
 /** The measurement keeps the value that it had at the onset. */
 export interface FreezeFault {
   /** Time in s at which the fault appears. */
@@ -1465,6 +1591,13 @@ export interface GainLabels {
 
 /** The present value of a gain that is one number. */
 export interface GainNow {
+  kind: 'gain';
+  observer: string;
+  gain: string;
+}
+
+/** The present value of a gain that is one number. */
+export interface GainNowInput {
   kind: 'gain';
   observer: string;
   gain: string;
@@ -1735,6 +1868,19 @@ export interface Level {
   end: number | null;
 }
 
+/** The mean, standard deviation, greatest, least or last value of a column, or of the difference of two. */
+export interface LevelInput {
+  kind: 'level';
+  take: 'mean' | 'std' | 'max' | 'min' | 'last';
+  /** A column of the session, say y.y1. */
+  column: string;
+  minus?: string | null;
+  /** Time in s after the mark. */
+  start?: number;
+  /** None: until the end of the step. */
+  end?: number | null;
+}
+
 /** A level that is drawn on a strip, above zero and below. */
 export interface LevelLine {
   /** A column of the session, say y.y1. */
@@ -1835,6 +1981,48 @@ export interface MissingFault {
   unit: string;
   /** The proposal in a sentence. */
   text: Text;
+}
+
+/** A saved lesson with its steps. */
+export interface MyLesson {
+  /** Its id, by which the address of a lesson names it. */
+  id: string;
+  /** Number of the version, from 1. */
+  version: number;
+  title: Words;
+  outcome: Words;
+  /** Time in minutes that it takes. */
+  minutes: number;
+  /** Number of steps. */
+  steps: number;
+  /** Time in seconds since 1970. */
+  saved: number;
+  /** Whether this client may change and delete it; others may read, play and copy it. */
+  mine: boolean;
+  lesson: CourseLesson;
+}
+
+/** The latest version of a saved lesson, without its steps. */
+export interface MyLessonLine {
+  /** Its id, by which the address of a lesson names it. */
+  id: string;
+  /** Number of the version, from 1. */
+  version: number;
+  title: Words;
+  outcome: Words;
+  /** Time in minutes that it takes. */
+  minutes: number;
+  /** Number of steps. */
+  steps: number;
+  /** Time in seconds since 1970. */
+  saved: number;
+  /** Whether this client may change and delete it; others may read, play and copy it. */
+  mine: boolean;
+}
+
+/** Saved lessons, the last one that was saved first. */
+export interface MyLessonList {
+  lessons: (MyLessonLine)[];
 }
 
 /** A version of a saved plant with its text. */
@@ -2548,6 +2736,45 @@ export interface Play {
   /** Number of the command, chosen by the client. */
   id: number;
   type: 'play';
+}
+
+/** A lesson, and which of its steps to play. */
+export interface PlayRequest {
+  lesson: CourseLessonInput;
+  /** Place of the step, counted from 0. */
+  step: number;
+}
+
+/** A step as it goes in the lesson's own experiment. */
+export interface Played {
+  /** Time in s of the session at which the step begins. */
+  mark: number;
+  /** By choice; of a dial and a sketch first wrong, then right. */
+  deeds: (PlayedDeed)[];
+  /** Times in s of the curves. */
+  t: (number)[];
+  curves: (PlayedCurve)[];
+  /** Names of all columns that a measure can read. */
+  columns: (string)[];
+}
+
+/** A curve on a strip: the truth, a reading, or what an observer estimates. */
+export interface PlayedCurve {
+  /** Name of the strip. */
+  strip: string;
+  /** Label of the observer; empty: the true value or a signal. */
+  label: string;
+  /** Its values at the times `t`, in the unit of the strip. */
+  values: (number | null)[];
+}
+
+/** What the session shows after one of the things that a student can do: a choice, a value of the dial, a sketch. */
+export interface PlayedDeed {
+  judged: Judged;
+  /** Time in s of the session from which each answer is right until the end; null: it is wrong there. */
+  since: (number | null)[];
+  /** The same for the conditions of the step itself. */
+  met_since: number | null;
 }
 
 /** One figure as Plotly's JSON, its arrays as base64. */
@@ -3624,6 +3851,12 @@ export interface Saw {
   when: (Condition)[];
 }
 
+/** A sentence on what happened, shown where its conditions hold; {name} is a measured number. */
+export interface SawInput {
+  text: WordsInput;
+  when?: (ConditionInput)[];
+}
+
 /** The points of an answer. */
 export interface Score {
   /** Points together, at most 100. */
@@ -3893,6 +4126,19 @@ export interface Settles {
   since: number;
 }
 
+/** The time in s after `since` from which |column − to| stays within a tolerance; none where it does not. */
+export interface SettlesInput {
+  kind: 'settles';
+  /** A column of the session, say y.y1. */
+  column: string;
+  /** Another column, or a number. */
+  to: string | number;
+  /** The tolerance, in the column's unit. */
+  within: number;
+  /** Time in s after the mark. */
+  since?: number;
+}
+
 /** The settling of an estimate after one step of a fault. */
 export interface Settling {
   channel: string;
@@ -4015,6 +4261,20 @@ export interface Sketch {
   high: number;
   /** The level line from which the drawing begins; it does not meet the step's conditions. */
   value: number;
+  /** A curve that meets them. The student draws as many values. */
+  solution: (number)[];
+}
+
+/** A curve that the student draws on a strip, from the beginning of the step to its end, before it runs. */
+export interface SketchInput {
+  /** A column of the session, say y.y1. */
+  strip: string;
+  /** The least value that can be drawn, in the unit of the strip. */
+  low: number;
+  /** The greatest value that can be drawn. */
+  high: number;
+  /** The level line from which the drawing begins; it does not meet the step's conditions. */
+  value?: number;
   /** A curve that meets them. The student draws as many values. */
   solution: (number)[];
 }
@@ -4208,11 +4468,26 @@ export interface StepRun {
   do: ({[name: string]: unknown})[];
 }
 
+/** What the button of a step does: commands, then time. */
+export interface StepRunInput {
+  text?: WordsInput | null;
+  /** Time of the session in s that passes. */
+  seconds: number;
+  do?: (Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | SetTruthNow | AddObserverNow | RemoveObserverNow | AddNote | RemoveNote | Reset)[];
+}
+
 /** The session with which a step begins: a new one of an experiment of the lesson, paused at a time. */
 export interface StepStart {
   experiment: string;
   /** Time in s at which it is paused. */
   t: number;
+}
+
+/** The session with which a step begins: a new one of an experiment of the lesson, paused at a time. */
+export interface StepStartInput {
+  experiment: string;
+  /** Time in s at which it is paused. */
+  t?: number;
 }
 
 /** What of the session a step shows. */
@@ -4227,6 +4502,20 @@ export interface StepView {
   diagnosis: boolean;
   /** A level on one of the strips. */
   line: LevelLine | null;
+}
+
+/** What of the session a step shows. */
+export interface StepViewInput {
+  /** Names of strips, from the top. */
+  strips?: (string)[];
+  /** copy: the plant and the observer beside it, with their levels; hysteresis: its loop and gaps. */
+  picture?: 'plant' | 'copy' | 'hysteresis' | 'none';
+  /** Whether true states and faults are visible. */
+  truth?: boolean;
+  /** Whether the detector's findings are visible. */
+  diagnosis?: boolean;
+  /** A level on one of the strips. */
+  line?: LevelLine | null;
 }
 
 /** Piecewise constant: values[0] before times[0], values[i] from times[i-1] on. */
@@ -4661,10 +4950,16 @@ export interface WindowTable {
   observers: (ObserverTable)[];
 }
 
-/** A text in each language of the page. */
+/** A text in the languages of the page, at least in one; readers of the other one get that. */
 export interface Words {
   en: string;
   zh: string;
+}
+
+/** A text in the languages of the page, at least in one; readers of the other one get that. */
+export interface WordsInput {
+  en?: string | {[name: string]: string};
+  zh?: string | {[name: string]: string};
 }
 
 /** Computations in worker processes. */

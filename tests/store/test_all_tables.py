@@ -10,6 +10,7 @@ import pytest
 from tests.store.samples import made_record, made_result
 from thetascope.store import (
     Database,
+    LessonStore,
     NotebookStore,
     PlantStore,
     PlantVersion,
@@ -26,7 +27,7 @@ from thetascope.store import (
 from thetascope.store.tables import METADATA
 
 COLUMNS = [(table.name, column.name) for table in METADATA.sorted_tables for column in table.columns]
-VERIFIED = ("runs", "results", "plants")
+VERIFIED = ("runs", "results", "plants", "lessons")
 UNVERIFIED = ("pinned", "removed", "used", "size")
 """Columns of verified tables that are in no checksum."""
 VALUES = ("NULL", "x'fffe'", "CAST(x'ff7bed' AS TEXT)", "'text'", "'[1'", "-1e300", "9e999", "9223372036854775807")
@@ -34,9 +35,9 @@ N = len(VALUES)
 
 
 def fill(database: Database) -> None:
-    """Write N + 1 rows into every table: runs, facts, names and tags, notes, owners, results, plants and records."""
+    """Write N + 1 rows into every table: runs, facts, names and tags, notes, owners, results, texts and records."""
     runs, notes = RunStore(database, 10**9), NotebookStore(database)
-    plants, records = PlantStore(database), RecordStore(database)
+    plants, lessons, records = PlantStore(database), LessonStore(database), RecordStore(database)
     for i in range(N + 1):
         facts = RunFacts("zhao-2012", "run", 0.1 * i, None, i, "words", {"seed": [float(i)]}, [], {"state": "x"})
         runs.put(made_record(f"run-{i}", created=float(i), facts=facts))
@@ -45,6 +46,7 @@ def fill(database: Database) -> None:
         notes.note(f"run-{i}", "ann", f"name {i}", ("all", f"标签 {i}"))
         notes.note_comparison([f"run-{i}", "run-x"], "ann", f"note {i}")
         plants.put(PlantVersion("ann", f"plant-{i}", 0, f"Plant {i}", "yaml", 1, True, f"id: plant-{i}\n", float(i)))
+        lessons.put(PlantVersion("ann", f"lesson-{i}", 0, f"Lesson {i}", "yaml", 1, True, f"id: {i}\n", float(i)))
         data = f"t,y\n0,{i}\n".encode()
         records.put(data, Share(record_id(data), "ann", f"record {i}", "dts200", '{"columns": {}}', float(i)))
     runs.pin("run-1", True)

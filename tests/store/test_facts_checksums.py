@@ -44,6 +44,7 @@ def test_facts_of_an_earlier_version_get_checksums(tmp_path):
         RunStore(database, 10**9).put(made_record("a", facts=FACTS))
         with database.writing() as connection:
             connection.exec_driver_sql("ALTER TABLE run_facts DROP COLUMN checksum")
+            connection.exec_driver_sql("DROP TABLE lessons")
             database.backend.set_version(connection, 6)
     with closing(Database(path)) as database:
         assert NotebookStore(database).line("ann", "a").facts == FACTS

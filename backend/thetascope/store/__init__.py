@@ -6,7 +6,7 @@ from thetascope.store.errors import Damaged, StoreError
 from thetascope.store.notebook.facts import RunFacts
 from thetascope.store.notebook.listing import RunQuery
 from thetascope.store.notebook_store import Line, NotebookStore
-from thetascope.store.plant_store import PlantStore, PlantVersion
+from thetascope.store.plant_store import LessonStore, PlantStore, PlantVersion
 from thetascope.store.record_store import RecordStore, Share, record_id
 from thetascope.store.run_store import Record, RunStore
 from thetascope.store.verification import Verification, verify
@@ -16,6 +16,7 @@ __all__ = [
     "Database",
     "Line",
     "NotebookStore",
+    "LessonStore",
     "PlantStore",
     "PlantVersion",
     "Record",

@@ -22,6 +22,7 @@ from thetascope.store.errors import StoreError
 from thetascope.store.record_store import has_record
 from thetascope.store.tables import (
     COMPARISON_NOTES,
+    LESSONS,
     OWNERS,
     PLANTS,
     RECORD_SHARES,
@@ -47,6 +48,7 @@ _WHOLE = {
     RECORDS: has_record,
     RECORD_SHARES: lambda row: True,
     PLANTS: has_plant,
+    LESSONS: has_plant,
 }
 _COMPANIONS = ("", "-wal", "-shm")
 """Endings of the files of an SQLite store."""

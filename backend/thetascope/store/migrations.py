@@ -133,4 +133,20 @@ MIGRATIONS: tuple[tuple[str | Callable[[Connection], None], ...], ...] = (
         "ALTER TABLE run_facts ADD COLUMN checksum TEXT",
         add_sums_of_facts,
     ),
+    (
+        """CREATE TABLE lessons (
+            owner TEXT NOT NULL,
+            id TEXT NOT NULL,
+            version INTEGER NOT NULL,
+            title TEXT NOT NULL,
+            format TEXT NOT NULL,
+            faults INTEGER NOT NULL,
+            ready INTEGER NOT NULL,
+            text TEXT NOT NULL,
+            saved REAL NOT NULL,
+            removed REAL,
+            checksum TEXT NOT NULL,
+            PRIMARY KEY (owner, id, version)
+        )""",
+    ),
 )

@@ -10,14 +10,12 @@ from sqlalchemy import Float, LargeBinary, and_, cast, delete, desc, func, inser
 from thetascope.messages import Message
 from thetascope.store.database import Database
 from thetascope.store.errors import Damaged
-from thetascope.store.tables import PLANTS, as_number, as_text, has_plant, plant_sum, was_removed
+from thetascope.store.tables import LESSONS, PLANTS, as_number, as_text, has_plant, plant_sum, was_removed
 
 ROW = 1024
 """Bytes that a version counts in addition to its text."""
 _MOST = 10**9  # versions; a higher number is damage
 _KEPT = 30 * 24 * 3600.0  # s that a deleted plant can be restored
-_LISTED = [column for column in PLANTS.c if column.name not in ("text", "checksum")]
-_WITHOUT_TEXT = (*_LISTED, literal("").label("text"))
 
 
 @dataclass(frozen=True)
@@ -47,8 +45,12 @@ class PlantVersion:
 class PlantStore:
     """Reads and writes the plants of all owners."""
 
+    table = PLANTS
+
     def __init__(self, database: Database) -> None:
         self._database = database
+        listed = [column for column in self.table.c if column.name not in ("text", "checksum")]
+        self._without_text = (*listed, literal("").label("text"))
 
     def put(self, plant: PlantVersion) -> PlantVersion:
         """Store a text as the next version, and return it; the latest one if it is the same text.
@@ -57,13 +59,13 @@ class PlantStore:
         comes back with the new version only.
         """
         clean = replace(plant, text=plant.text.replace("\0", "\ufffd"), title=plant.title.replace("\0", "\ufffd"))
-        mine = (PLANTS.c.owner == clean.owner) & (PLANTS.c.id == clean.id)
+        mine = (self.table.c.owner == clean.owner) & (self.table.c.id == clean.id)
         with self._database.writing() as connection:
-            connection.execute(delete(PLANTS).where(was_removed(PLANTS.c.removed, time.time() - _KEPT)))
+            connection.execute(delete(self.table).where(was_removed(self.table.c.removed, time.time() - _KEPT)))
             last = connection.execute(
-                select(PLANTS)
-                .where(mine & PLANTS.c.version.between(1, _MOST))
-                .order_by(desc(PLANTS.c.version))
+                select(self.table)
+                .where(mine & self.table.c.version.between(1, _MOST))
+                .order_by(desc(self.table.c.version))
                 .limit(1)
             ).one_or_none()
             same = last is not None and last.removed is None and last.text == clean.text and last.ready == clean.ready
@@ -71,74 +73,80 @@ class PlantStore:
                 return self._version(last)
             stored = replace(clean, version=max(clean.version, 0 if last is None else last.version) + 1)
             row = {**vars(stored), "ready": int(stored.ready), "saved": float(stored.saved)}
-            connection.execute(insert(PLANTS), row | {"checksum": plant_sum(_Row(row))})
+            connection.execute(insert(self.table), row | {"checksum": plant_sum(_Row(row))})
         return stored
 
     def get(self, owner: str | None, id: str, version: int | None = None) -> PlantVersion | None:
         """Return a version of an owner, or of anybody, by default the latest; None: unknown. Raises Damaged."""
-        query = select(PLANTS).where((PLANTS.c.id == id) & PLANTS.c.removed.is_(None))
+        query = select(self.table).where((self.table.c.id == id) & self.table.c.removed.is_(None))
         if owner is not None:
-            query = query.where(PLANTS.c.owner == owner)
+            query = query.where(self.table.c.owner == owner)
         if version is not None:
-            query = query.where(PLANTS.c.version == version)
+            query = query.where(self.table.c.version == version)
         with self._database.reading() as connection:
-            latest = query.order_by(desc(PLANTS.c.version), desc(PLANTS.c.saved)).limit(1)
+            latest = query.order_by(desc(self.table.c.version), desc(self.table.c.saved)).limit(1)
             row = connection.execute(latest).one_or_none()
         return None if row is None else self._version(row)
 
     def latest(self) -> list[PlantVersion]:
         """Return the latest version of each plant of each owner without texts, the one that was saved last first."""
         newest = (
-            select(PLANTS.c.owner, PLANTS.c.id, func.max(PLANTS.c.version).label("version"))
-            .where(PLANTS.c.removed.is_(None))
-            .group_by(PLANTS.c.owner, PLANTS.c.id)
+            select(self.table.c.owner, self.table.c.id, func.max(self.table.c.version).label("version"))
+            .where(self.table.c.removed.is_(None))
+            .group_by(self.table.c.owner, self.table.c.id)
             .subquery()
         )
-        same = [PLANTS.c[name] == newest.c[name] for name in ("owner", "id", "version")]
-        query = select(*_WITHOUT_TEXT).join(newest, and_(*same)).order_by(desc(PLANTS.c.saved))
+        same = [self.table.c[name] == newest.c[name] for name in ("owner", "id", "version")]
+        query = select(*self._without_text).join(newest, and_(*same)).order_by(desc(self.table.c.saved))
         with self._database.reading() as connection:
             return _listed(connection.execute(query))
 
     def versions(self, owner: str, id: str) -> list[PlantVersion]:
         """Return all versions of a plant without texts, the latest first."""
-        query = select(*_WITHOUT_TEXT).where(
-            (PLANTS.c.owner == owner) & (PLANTS.c.id == id) & PLANTS.c.removed.is_(None)
+        query = select(*self._without_text).where(
+            (self.table.c.owner == owner) & (self.table.c.id == id) & self.table.c.removed.is_(None)
         )
         with self._database.reading() as connection:
-            return _listed(connection.execute(query.order_by(desc(PLANTS.c.version))))
+            return _listed(connection.execute(query.order_by(desc(self.table.c.version))))
 
     def owners(self, id: str) -> list[str]:
         """Return the owners of plants with an id, the one with the highest version first."""
-        highest = func.max(PLANTS.c.version)
-        query = select(PLANTS.c.owner).where((PLANTS.c.id == id) & PLANTS.c.removed.is_(None)).group_by(PLANTS.c.owner)
+        highest = func.max(self.table.c.version)
+        query = (
+            select(self.table.c.owner)
+            .where((self.table.c.id == id) & self.table.c.removed.is_(None))
+            .group_by(self.table.c.owner)
+        )
         with self._database.reading() as connection:
-            return list(connection.execute(query.order_by(desc(highest), desc(func.max(PLANTS.c.saved)))).scalars())
+            return list(connection.execute(query.order_by(desc(highest), desc(func.max(self.table.c.saved)))).scalars())
 
     def remove(self, owner: str, id: str) -> bool:
         """Delete a plant with all its versions, which can be restored; return whether there was one."""
-        mine = (PLANTS.c.owner == owner) & (PLANTS.c.id == id) & PLANTS.c.removed.is_(None)
+        mine = (self.table.c.owner == owner) & (self.table.c.id == id) & self.table.c.removed.is_(None)
         with self._database.writing() as connection:
-            return connection.execute(update(PLANTS).where(mine).values(removed=time.time())).rowcount > 0
+            return connection.execute(update(self.table).where(mine).values(removed=time.time())).rowcount > 0
 
     def restore(self, owner: str, id: str) -> bool:
         """Bring back all versions of a plant that was deleted; return whether there were any."""
-        mine = (PLANTS.c.owner == owner) & (PLANTS.c.id == id) & PLANTS.c.removed.is_not(None)
+        mine = (self.table.c.owner == owner) & (self.table.c.id == id) & self.table.c.removed.is_not(None)
         with self._database.writing() as connection:
-            return connection.execute(update(PLANTS).where(mine).values(removed=None)).rowcount > 0
+            return connection.execute(update(self.table).where(mine).values(removed=None)).rowcount > 0
 
     def erase_removed(self, owner: str) -> int:
         """Erase the deleted plants of an owner, which can be restored no more; return the number of versions."""
-        gone = (PLANTS.c.owner == owner) & PLANTS.c.removed.is_not(None)
+        gone = (self.table.c.owner == owner) & self.table.c.removed.is_not(None)
         with self._database.writing() as connection:
-            return connection.execute(delete(PLANTS).where(gone)).rowcount
+            return connection.execute(delete(self.table).where(gone)).rowcount
 
     def usage(self) -> dict[str, int]:
         """Return the bytes that the versions of each owner take, those that can be restored included."""
         with self._database.reading() as connection:
             is_sqlite = connection.dialect.name == "sqlite"
-            length = func.length(cast(PLANTS.c.text, LargeBinary)) if is_sqlite else func.octet_length(PLANTS.c.text)
+            length = (
+                func.length(cast(self.table.c.text, LargeBinary)) if is_sqlite else func.octet_length(self.table.c.text)
+            )
             size = func.sum(cast(length, Float)) + ROW * func.count()
-            rows = connection.execute(select(PLANTS.c.owner, size).group_by(PLANTS.c.owner))
+            rows = connection.execute(select(self.table.c.owner, size).group_by(self.table.c.owner))
             return {as_text(owner): int(as_number(used)) for owner, used in rows}
 
     @staticmethod
@@ -159,6 +167,12 @@ def _listed(rows: Iterable[Any]) -> list[PlantVersion]:
         )
         for row in rows
     ]
+
+
+class LessonStore(PlantStore):
+    """Reads and writes the lessons of all owners: their texts, with the same facts in a table of their own."""
+
+    table = LESSONS
 
 
 class _Row:

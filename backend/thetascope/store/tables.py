@@ -114,23 +114,33 @@ RECORD_SHARES = Table(
     Column("changed", Real, nullable=False),
 )
 
-#: Plants that clients have saved, one row a version. `title`, `format`, `faults` and `ready` are facts of the text;
-#: `removed` is the time at which it was deleted, null before, and `checksum` covers all columns but this one.
-PLANTS = Table(
-    "plants",
-    METADATA,
-    Column("owner", Characters, primary_key=True),
-    Column("id", Characters, primary_key=True),
-    Column("version", Whole, primary_key=True),
-    Column("title", Characters, nullable=False),
-    Column("format", Characters, nullable=False),
-    Column("faults", Whole, nullable=False),
-    Column("ready", Whole, nullable=False),
-    Column("text", Characters, nullable=False),
-    Column("saved", Real, nullable=False),
-    Column("removed", Real),
-    Column("checksum", Characters, nullable=False),
-)
+
+def _versions(name: str) -> Table:
+    """Return a table of texts that clients have saved, one row a version.
+
+    `title`, `format`, `faults` and `ready` are facts of the text; `removed` is the time at which it was deleted, null
+    before, and `checksum` covers all columns but this one.
+    """
+    return Table(
+        name,
+        METADATA,
+        Column("owner", Characters, primary_key=True),
+        Column("id", Characters, primary_key=True),
+        Column("version", Whole, primary_key=True),
+        Column("title", Characters, nullable=False),
+        Column("format", Characters, nullable=False),
+        Column("faults", Whole, nullable=False),
+        Column("ready", Whole, nullable=False),
+        Column("text", Characters, nullable=False),
+        Column("saved", Real, nullable=False),
+        Column("removed", Real),
+        Column("checksum", Characters, nullable=False),
+    )
+
+
+PLANTS = _versions("plants")
+#: `faults` is the number of steps, and every version is ready.
+LESSONS = _versions("lessons")
 
 
 def checksum(*parts: object) -> str:

@@ -9,7 +9,7 @@ from thetascope.store.damaged_rows import rows_one_by_one
 from thetascope.store.database import Database
 from thetascope.store.errors import StoreError
 from thetascope.store.record_store import has_record
-from thetascope.store.tables import PLANTS, RECORDS, RESULTS, has_plant, has_result, has_spec, is_whole
+from thetascope.store.tables import LESSONS, PLANTS, RECORDS, RESULTS, has_plant, has_result, has_spec, is_whole
 
 
 @dataclass(frozen=True)
@@ -48,13 +48,16 @@ def verify(database: Database) -> Verification:
 
 
 def _damaged_plants(database: Database) -> list[Message]:
-    """Return a defect for each version of a saved plant that is not what was written."""
-    try:
-        with database.reading() as connection:
-            wrong = [row for row in connection.execute(select(PLANTS)) if not has_plant(row)]
-    except StoreError as error:
-        return [error.problem]
-    return [Message("store.defect.plant", id=_shown(row.id), version=row.version or 0) for row in wrong]
+    """Return a defect for each version of a saved plant or lesson that is not what was written."""
+    defects = []
+    for table, code in ((PLANTS, "store.defect.plant"), (LESSONS, "store.defect.lesson")):
+        try:
+            with database.reading() as connection:
+                wrong = [row for row in connection.execute(select(table)) if not has_plant(row)]
+        except StoreError as error:
+            return [error.problem]
+        defects += [Message(code, id=_shown(row.id), version=row.version or 0) for row in wrong]
+    return defects
 
 
 def _records(database: Database, defects: list[Message]) -> list[str]:

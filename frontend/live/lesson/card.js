@@ -18,7 +18,11 @@ export function drawCard(card, lesson) {
   const focused = document.activeElement instanceof HTMLElement ? document.activeElement.dataset.keep : undefined;
   fill(
     card,
-    h('p', {class: 'eyebrow'}, t('page.lesson.of', {n: plan.number, title: named(plan.title)})),
+    h(
+      'p',
+      {class: 'eyebrow'},
+      plan.number ? t('page.lesson.of', {n: plan.number, title: named(plan.title)}) : named(plan.title),
+    ),
     h('h1', {id: 'lesson-title', tabindex: -1}, named(step.title)),
     phase === 'after' ? after(lesson) : before(lesson),
     h('div', {class: 'lesson-act'}, buttons(lesson)),

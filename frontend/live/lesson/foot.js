@@ -36,6 +36,7 @@ export function drawFoot(foot, lesson) {
     button(truth ? t('page.lesson.hide-truth') : t('page.lesson.show-truth'), () => lesson.truth(), 'H'),
     button(t('page.lesson.restart'), () => lesson.again()),
     button(t('page.lesson.open-live'), () => lesson.leave()),
+    h('a', {class: 'quiet', href: `/worksheet/?lesson=${encodeURIComponent(plan.id)}`}, t('page.lesson.worksheet')),
     button(phase === 'after' || !lesson.step.run ? t('page.lesson.next') : t('page.lesson.skip'), () => lesson.next()),
   );
 }

@@ -7,6 +7,7 @@ import {chosenLanguage} from '../../i18n/language.js';
 import {named, speak, t} from '../../i18n/words.js';
 import {finished, places} from '../../live/lesson/progress.js';
 import {played} from './mystery/place.js';
+import {teacherCard} from './own-lessons.js';
 
 /** @import * as service from '../../types/service.js' */
 /** @import {Place} from '../../live/lesson/progress.js' */
@@ -15,6 +16,8 @@ import {played} from './mystery/place.js';
 
 await speak(chosenLanguage());
 const {lessons} = /** @type {service.CourseList} */ (await get('/api/course'));
+const madeHere = async () => /** @type {service.MyLessonList} */ (await get('/api/my-lessons')).lessons;
+let own = await madeHere();
 const draw = () => {
   const kept = places();
   /** @type {Entry[]} */
@@ -29,8 +32,13 @@ const draw = () => {
       {class: 'learn-lessons'},
       entries.map((entry) => h('li', {}, card(entry, entry === current(entries)))),
       h('li', {class: 'learn-mystery'}, mystery()),
+      h('li', {class: 'wide'}, teacherCard(lessons, own, again)),
     ),
   );
+};
+const again = async () => {
+  own = await madeHere();
+  draw();
 };
 mountTop(query('header'), connection, 'learn', draw);
 draw();

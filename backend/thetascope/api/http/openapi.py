@@ -21,6 +21,7 @@ from thetascope_schemas.service.figures.printed_figure import PrintSettings
 from thetascope_schemas.service.figures.signal_curve import SignalCurveRequest
 from thetascope_schemas.service.learning.challenge import ChallengeAnswer
 from thetascope_schemas.service.learning.judged import JudgeRequest
+from thetascope_schemas.service.learning.played import PlayRequest
 from thetascope_schemas.service.notebook.comparison import ComparisonNotes
 from thetascope_schemas.service.notebook.lines import RunNotes
 from thetascope_schemas.service.plants.text import TextEdit
@@ -64,6 +65,7 @@ BODIES = (
     EquationsRequest,
     PrintSettings,
     JudgeRequest,
+    PlayRequest,
     RoundRequest,
     LeadRequest,
     JoinRequest,

@@ -9,6 +9,7 @@ from fastapi import Depends, Request
 from thetascope.classroom.rooms import Rooms
 from thetascope.live.scheduling.hub import Hub
 from thetascope.runs.jobs.manager import RunManager
+from thetascope.runs.lessons.my_lessons import MyLessons
 from thetascope.runs.notebook.notebook import Notebook
 from thetascope.runs.plants.my_plants import MyPlants
 from thetascope.runs.records.record_files import RecordFiles
@@ -16,7 +17,7 @@ from thetascope.runs.workers.limits import Limits
 from thetascope.runs.workers.pool import Workers
 from thetascope.runs.workers.process import preload
 from thetascope.settings import Settings
-from thetascope.store import Database, NotebookStore, PlantStore, RecordStore, RunStore
+from thetascope.store import Database, LessonStore, NotebookStore, PlantStore, RecordStore, RunStore
 from thetascope_schemas.experiment.experiment import ResolvedExperiment
 
 PRELOADED = ("sympy", "thetascope.live.session.session", "thetascope.assembly.analyses.record_diagnosis")
@@ -25,7 +26,7 @@ PRELOADED = ("sympy", "thetascope.live.session.session", "thetascope.assembly.an
 
 @dataclass(frozen=True)
 class Services:
-    """The settings, workers, runs, their notebook, sessions, records, plants, classrooms, and the store's database."""
+    """The settings, workers, runs, their notebook, sessions, records, plants, lessons, classrooms, and the database."""
 
     settings: Settings
     workers: Workers
@@ -34,6 +35,7 @@ class Services:
     database: Database
     records: RecordFiles
     my_plants: MyPlants
+    my_lessons: MyLessons
     notebook: Notebook
     rooms: Rooms
 
@@ -59,7 +61,10 @@ class Services:
         notebook.begin()
         runs.resume()
         plants = MyPlants(PlantStore(database), settings.plant_limit)
-        return cls(settings, workers, runs, Hub(settings, workers), database, records, plants, notebook, Rooms())
+        lessons = MyLessons(LessonStore(database), settings.plant_limit)
+        return cls(
+            settings, workers, runs, Hub(settings, workers), database, records, plants, lessons, notebook, Rooms()
+        )
 
     def with_record(self, spec: ResolvedExperiment) -> ResolvedExperiment:
         """Return an experiment with the file of its record, if it has one. Raises Unknown for no such record."""

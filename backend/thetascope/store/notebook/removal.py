@@ -6,6 +6,7 @@ from sqlalchemy import ColumnElement, Connection, delete, literal, select, updat
 
 from thetascope.store.tables import (
     COMPARISON_NOTES,
+    LESSONS,
     OWNERS,
     PLANTS,
     RESULTS,
@@ -32,7 +33,7 @@ def erase(connection: Connection, condition: ColumnElement[bool]) -> int:
 
 def show_hidden(connection: Connection) -> None:
     """Bring back the rows that no removal hides, but a value that is not a time: a damaged field."""
-    for table in (RUNS, RUN_NOTES, PLANTS):
+    for table in (RUNS, RUN_NOTES, PLANTS, LESSONS):
         removed = table.c.removed
         hidden = removed.is_not(None) & ~was_removed(removed)
         n = connection.execute(update(table).where(hidden).values(removed=None)).rowcount

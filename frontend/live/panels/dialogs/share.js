@@ -20,6 +20,18 @@ export async function showShare(body, app) {
     fill(
       body,
       kinds.map(([title, hint], place) => row(title, hint, new URL(links[place], location.href).href)),
+      app.state.session &&
+        h(
+          'section',
+          {class: 'share'},
+          h('h3', {}, t('page.share.lesson')),
+          h('p', {class: 'soft'}, t('page.share.lesson.hint')),
+          h(
+            'a',
+            {class: 'press', href: `/lesson-editor/?session=${encodeURIComponent(app.state.session)}`},
+            t('page.share.lesson'),
+          ),
+        ),
     );
     body.querySelector('button')?.focus();
   } catch (error) {

@@ -225,7 +225,7 @@ class CourseLesson(Strict):
     )
 
     id: Identifier
-    number: int = Field(ge=1, le=99, strict=True)
+    number: int = Field(default=0, ge=0, le=99, strict=True, description="Its place in the course; 0: none.")
     minutes: int = Field(ge=1, le=60, strict=True)
     title: Words
     outcome: Words = Field(description="What one can do afterwards.")

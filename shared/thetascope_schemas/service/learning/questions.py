@@ -1,18 +1,27 @@
 """Lessons on the live page: questions, and the commands that show their answers."""
 
-from pydantic import Field
+from typing import Self
+
+from pydantic import Field, model_validator
 
 from thetascope_schemas.experiment.base import Identifier, Prose, Strict, example
 from thetascope_schemas.service.session import BatchMember
+from thetascope_schemas.texts.refusal import refuse
 
 
 class Words(Strict):
-    """A text in each language of the page."""
+    """A text in the languages of the page, at least in one; readers of the other one get that."""
 
     model_config = example(en="Why does θ̂2 jump first?", zh="为什么 θ̂2 先跳变?")
 
-    en: Prose
-    zh: Prose
+    en: Prose = ""
+    zh: Prose = ""
+
+    @model_validator(mode="after")
+    def _says_something(self) -> Self:
+        if not (self.en.strip() or self.zh.strip()):
+            raise refuse("course.words.empty", field="en", value="")
+        return self
 
 
 class Step(Strict):

@@ -10,12 +10,14 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from thetascope import library
+from thetascope.access.principal import Principal, principal_of
 from thetascope.api.http.answers import json_response
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed_as
 from thetascope.api.http.services import Services, Use
 from thetascope.live.facts.step_measures import Readings, columns_of, earliest, judge
 from thetascope.messages import Message
+from thetascope.runs.lessons.my_lessons import lesson_of
 from thetascope.runs.specs.refusals import Unknown, invalid
 from thetascope_schemas.service.answers import CourseList
 from thetascope_schemas.service.learning.course import CourseLesson, CourseStep
@@ -46,9 +48,9 @@ def list_course() -> Response:
 
 
 @router.get("/course/{id}", response_model=CourseLesson, responses=documented(404))
-def get_course_lesson(id: str) -> Response:
-    """Return a lesson with its experiments and steps, in all languages."""
-    lesson = _lesson(id)
+def get_course_lesson(request: Request, id: str, services: Use) -> Response:
+    """Return a lesson, one of the library or a saved one, with its experiments and steps, in all languages."""
+    lesson = find_lesson(services, id, principal_of(request.scope))
     return json_response(lesson.model_dump(mode="json", exclude_none=True, context={"language": "*"}))
 
 
@@ -61,7 +63,7 @@ def get_course_lesson(id: str) -> Response:
 async def judge_step(request: Request, id: str, services: Use) -> Response:
     """Measure in a session what a step of a lesson asks for, and tell which answers are right there."""
     body = await parsed_as(request, services, JudgeRequest)
-    lesson = _lesson(body.lesson)
+    lesson = await run_in_threadpool(find_lesson, services, body.lesson, principal_of(request.scope))
     if body.step >= len(lesson.steps):
         raise invalid("step", body.step, Message("course.step.unknown", n=len(lesson.steps)))
     step = lesson.steps[body.step]
@@ -105,11 +107,15 @@ async def _caught_up(room: Any) -> None:
         await asyncio.sleep(0.02)
 
 
-def _lesson(id: str) -> CourseLesson:
+def find_lesson(services: Services, id: str, by: Principal) -> CourseLesson:
+    """Return a lesson of the library, or one that was saved: the client's own, else anybody's. Raises Unknown."""
     lesson = library.course().get(id)
-    if lesson is None:
+    if lesson is not None:
+        return lesson
+    saved = services.my_lessons.find(id, by)
+    if saved is None:
         raise Unknown(Message("course.unknown", id=id[:80]))
-    return lesson
+    return lesson_of(saved)
 
 
 def _room(services: Services, id: str) -> Any:

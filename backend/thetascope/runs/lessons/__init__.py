@@ -1,0 +1,1 @@
+"""Lessons that clients have made."""
