@@ -48,6 +48,14 @@ def test_a_service_that_stops_ends_the_process():
     prewarm.end(None)
 
 
+def test_a_preparation_that_finishes_beside_the_service_exits_cleanly():
+    """The thread that waits for the service does not abort the interpreter when it ends."""
+    quick = "from thetascope.server import prewarm; prewarm.prepare = lambda: None; prewarm.main()"
+    with subprocess.Popen([sys.executable, "-c", quick], stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.wait(60) == 0
+        assert process.stderr.read() == b""
+
+
 @pytest.mark.skipif(os.name != "posix", reason="sends SIGKILL")
 @pytest.mark.parametrize("seconds", [0.0, 1.0])
 def test_a_service_that_is_killed_leaves_no_process_behind(tmp_path, seconds: float):

@@ -62,7 +62,8 @@ def main() -> None:
 
 def _exit_with_service() -> None:
     """Wait until the service's end of the pipe closes, then exit immediately: caches are written atomically."""
-    sys.stdin.buffer.read()
+    while os.read(0, 1024):  # not sys.stdin: its lock, held at the end of the process, would abort the interpreter
+        pass
     os._exit(0)
 
 
