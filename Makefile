@@ -15,7 +15,7 @@ WORKERS ?= $(shell "$(PYTHON)" -c 'import os; print(((os.cpu_count() or 1) * 3 +
 OPEN := $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname -s)),$(if $(CI)$(SSH_CONNECTION),,--open))
 SERVE := $(OPEN) $(if $(PORT),--port $(PORT)) $(if $(HOST),--host $(HOST))
 
-.PHONY: run test lint bench docs pins clean help
+.PHONY: run test lint bench docs site pins clean help
 .DEFAULT_GOAL := help
 
 run: ## Serve the page; the address is printed
@@ -45,6 +45,10 @@ docs: ## Write docs/observers.md, docs/dependencies.md and the page's types from
 	@$(BIN)/python -m tools.document_observers
 	@$(BIN)/python -m tools.page_types
 	@$(BIN)/python -m tools.list_licences
+
+site: ## Build the documentation as a site, in build/site
+	$(HERE)@$(PYTHON) tools/environment.py dev
+	@$(BIN)/python -m tools.site
 
 pins: ## Choose versions anew from pyproject.toml (needs uv)
 	uv pip compile --quiet $(PIN) --group build --output-file requirements.txt pyproject.toml

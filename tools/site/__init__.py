@@ -1,0 +1,1 @@
+"""The documentation as a site: pages of docs/, and the reference from the schemas and the command line."""
