@@ -11,8 +11,9 @@ from thetascope.engine.model.result import Result
 from thetascope_schemas import Experiment, Plant
 
 ROWS = 120
+CLASSICAL = ["proportional-integral", "extended-state", "sliding-mode", "unknown-input", "drem"]
 PLANTS = {
-    "dts200": (1.0, ["joint-ekf", "adaptive-kalman"]),
+    "dts200": (1.0, ["joint-ekf", "adaptive-kalman", *CLASSICAL]),
     "zhao-contois": (0.05, ["zhao-adaptive", "joint-ukf", "adaptive-kalman-discrete", "high-gain"]),
     "shen-hu-2015": (0.01, ["linear-adaptive", "nonsmooth-adaptive"]),
     "dc-motor": (0.001, ["full-order", "reduced-order"]),
