@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.browser.live_helpers import until
+from tests.browser.live_helpers import eventually, until
 from tests.browser.test_accessibility import AXE, serious
 from tests.browser.test_chinese_pages import chinese, english
 from tests.test_docs import ROOT, blocks
@@ -53,6 +53,19 @@ def test_an_error_is_shown_where_it_is_and_corrected_with_one_click(shop):
         until(shop, CHECKED)
     until(shop, READY + " && !document.querySelector('.lint, .stale:not([hidden])')")
     assert shop.watch.errors == [] and shop.watch.foreign == []
+
+
+def test_long_equations_are_broken_before_a_term(shop):
+    """Every term of the three tanks is inside its card, none is cut at the edge."""
+    plants = ROOT / "backend" / "thetascope" / "library" / "plants"
+    paste(shop, (plants / "dts200.yaml").read_text(encoding="utf-8"))
+    until(shop, CHECKED + " && document.querySelectorAll('.eqs .line.broken').length >= 3")
+    cut = """() => {
+      const edge = document.querySelector('.eqs').getBoundingClientRect().right + 1;
+      const cut = (one) => one.getBoundingClientRect().right > edge;
+      return [...document.querySelectorAll('.eqs math')].filter(cut).length;
+    }"""
+    eventually(lambda: shop.evaluate(cut) == 0, "no term is cut")
 
 
 def test_a_saved_plant_is_found_again_and_its_deletion_undone(shop):

@@ -1,13 +1,12 @@
 // The cards on the right: always of the last text without errors, and they say so while the text has some.
 
 import {fill, h} from '../../../common/dom.js';
-import {focusWhenScrolling} from '../../../common/scroll-focus.js';
 import {drawPlant} from '../../../live/panels/plant/plant.js';
 import {colourOf} from '../../../widgets/line-style.js';
-import {mathml} from '../../../widgets/equations.js';
 import {named, t} from '../../../i18n/words.js';
 import {chosenKinds, errorsOf} from '../store.js';
 import {drawPreview} from './preview.js';
+import {equationLine, fitted} from './equation-lines.js';
 import {separation} from './separation.js';
 import {mountParameters} from './parameters.js';
 
@@ -126,10 +125,7 @@ function lines(answer, warnings, point, continuous) {
   const row = (line, field, path) => {
     const wrong = warnings.find((one) => one.field === path);
     const about = wrong ? wrong.problem : [named(line.description), unitOf(line, field)].filter(Boolean).join(', ');
-    const inner = [
-      h('span', {class: 'line'}, mathml(line.math)),
-      h('span', {class: wrong ? 'wrong-unit' : 'soft'}, about),
-    ];
+    const inner = [equationLine(line.math), h('span', {class: wrong ? 'wrong-unit' : 'soft'}, about)];
     const rows = wrong ? ' two-rows' : '';
     if (!field) return h('div', {class: `eq${rows}`}, inner);
     return h(
@@ -163,29 +159,6 @@ function lines(answer, warnings, point, continuous) {
 /** The unit of a rate: m/s for m, rad/s² for rad/s. @param {string} unit */
 const perSecond = (unit) =>
   unit.endsWith('/s') ? `${unit}²` : unit.endsWith('/s²') ? unit.replace(/²$/, '³') : `${unit}/s`;
-
-const SMALLEST = 0.7; // of the usual size of type; an equation that is still too long is scrolled
-const UNIT = 48; // px that a unit beside an equation needs
-
-/**
- * Set equations that are too long for the card in smaller type. A unit is shown where there is room beside it.
- * @param {HTMLElement} box
- */
-function fitted(box) {
-  const lines = /** @type {NodeListOf<HTMLElement>} */ (box.querySelectorAll('.line'));
-  new ResizeObserver(() => {
-    const room = box.clientWidth;
-    for (const line of lines) line.style.fontSize = '';
-    const shares = [...lines].map((line) => room / Math.max(1, line.offsetWidth));
-    for (const [place, line] of lines.entries())
-      if (shares[place] < 1) line.style.fontSize = `${Math.max(SMALLEST, 0.98 * shares[place])}em`;
-    for (const line of lines) {
-      const unit = /** @type {HTMLElement} */ (line.nextElementSibling);
-      if (unit.className === 'soft') unit.hidden = line.offsetWidth > room - UNIT;
-    }
-  }).observe(box);
-  return focusWhenScrolling(box);
-}
 
 /** @param {ShopState} state @param {ShopStore} store */
 function ranking(state, store) {
