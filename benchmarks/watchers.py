@@ -23,12 +23,16 @@ class Watcher:
     def clear(self) -> None:
         """Discard the frames so far."""
         self.times: list[float] = []
-        self.bytes = 0
+        self.bytes = self.texts = 0
         self.effect: float | None = None
 
     def command(self, text: str) -> None:
         """Send a command; `effect` becomes the time of the first frame with a row on which it acts."""
         self.effect, self._acts_at = None, None
+        self._send(1, text.encode())
+
+    def say(self, text: str) -> None:
+        """Send a text."""
         self._send(1, text.encode())
 
     def _send(self, kind: int, data: bytes) -> None:
@@ -59,6 +63,7 @@ class Watcher:
         self._buffer = data[place:]
 
     def _message(self, kind: int, data: bytes, now: float) -> None:
+        self.texts += kind == 1
         if kind == 2:
             self.times.append(now)
             self.bytes += len(data)
@@ -104,6 +109,11 @@ class Watchers:
         while (left := end - time.perf_counter()) > 0 and not until():
             for key, _ in self._selector.select(left):
                 key.data.read()
+
+    def say(self, text: str) -> None:
+        """Send a text on all connections."""
+        for watcher in self._all:
+            watcher.say(text)
 
     def close(self) -> None:
         """Close all connections."""

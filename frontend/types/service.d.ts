@@ -170,6 +170,20 @@ export interface AnswerInput {
   right_if: (ConditionInput)[];
 }
 
+/** A student's answer about the hidden fault. It may be changed until the round is revealed. */
+export interface AnswerRequest {
+  /** Number of the round, counted from 1. */
+  round: number;
+  verdict: 'channel' | 'none' | 'cannot-be-told';
+  channel?: string | null;
+  /** The channels that look alike, where it cannot be told. */
+  alike?: (string)[];
+  /** Time in s at which it is thought to have begun. */
+  onset?: number | null;
+  /** Size in the unit of the channel; of a ramp, its final one. */
+  size?: number | null;
+}
+
 /** The check of one assumption of an observer's theorem for the plant, the gains and the run. */
 export interface AssumptionCheck {
   name: Text;
@@ -354,6 +368,17 @@ export interface Choice {
 export interface ChoiceInput {
   text: WordsInput;
   do?: (Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | SetTruthNow | AddObserverNow | RemoveObserverNow | AddNote | RemoveNote | Reset)[];
+}
+
+/** A plant in which faults can be hidden. */
+export interface ClassSetup {
+  id: string;
+  title: Words;
+}
+
+/** The plants in which faults can be hidden. */
+export interface ClassSetups {
+  setups: (ClassSetup)[];
 }
 
 /** End faults now: those of one channel, of one output, or all. */
@@ -739,6 +764,14 @@ export interface CurveLineInput {
   role?: 'truth' | 'measured' | 'estimate';
 }
 
+/** A strip of its own for one curve. */
+export interface CurvePanel {
+  symbol: string;
+  title: Caption;
+  unit: string;
+  line: CurveLine;
+}
+
 /** The strip of curves that students see. */
 export interface CurveStrip {
   /** Name of the quantity. */
@@ -764,8 +797,10 @@ export interface CurveStripInput {
 /** The first text on the stream of curves, and again after every change of columns; binary frames follow it. */
 export interface CurvesHead {
   type: 'curves';
-  /** null: there are no curves now. */
+  /** null: there are no curves of the teacher's session now. */
   strip: CurveStrip | null;
+  /** A strip for each curve of a record of one's own. */
+  panels: (CurvePanel)[];
   /** Time in s between rows. */
   record: number;
   epoch: number;
@@ -2419,6 +2454,25 @@ export interface OptionForm {
   high: number;
 }
 
+/** An answer after the reveal: the truth, what could be told of it, and what the detector found. */
+export interface Outcome {
+  /** null: there was no answer. */
+  right: boolean | null;
+  /** Of 100; null: there was no answer. */
+  points: number | null;
+  /** null: nothing was wrong. */
+  fault: HiddenFault | null;
+  /** Seconds of the record from its beginning to the answer. */
+  after: number | null;
+  /** Time in s from which it could be told from all others; null: never. */
+  told: number | null;
+  /** The channels that look alike until the end. */
+  alike: (string)[];
+  detector: ChallengeAnswer | null;
+  /** Points of the detector's answer, of 100. */
+  detector_points: number;
+}
+
 /** Each sample is displaced by ±size with a probability. */
 export interface OutliersFault {
   /** Time in s at which the fault appears. */
@@ -3577,6 +3631,18 @@ export interface RemoveObserverNow {
   label: string;
 }
 
+/** The record of a student, for the wall. */
+export interface Replay {
+  id: string;
+  /** Time in s between rows. */
+  record: number;
+  panels: (CurvePanel)[];
+  /** The rows of each strip. */
+  values: ((number | null)[])[];
+  answer: ChallengeAnswer | null;
+  outcome: Outcome | null;
+}
+
 /** Go back to t = 0 and to the original experiment; the log is cleared. */
 export interface Reset {
   /** Number of the command, chosen by the client. */
@@ -3634,15 +3700,29 @@ export interface RoomOpened {
 
 /** A new round; it ends the one before. */
 export interface RoundRequest {
-  /** follow: all see the teacher's session, and vote. */
-  kind: 'follow';
+  /** follow: all see the teacher's session, and vote; own: each has a record with a hidden fault. */
+  kind: 'follow' | 'own';
+  /** The plant of hidden faults: a set-up of the library. */
+  setup?: string | null;
+  /** Time in s for finding a hidden fault. */
+  seconds?: number;
 }
 
 /** The present round. */
 export interface RoundView {
   /** Of the round, counted from 1. */
   number: number;
-  kind: 'follow';
+  kind: 'follow' | 'own';
+  /** Whether the hidden faults are shown. */
+  revealed: boolean;
+  /** Seconds until they are; null: no time runs. */
+  left: number | null;
+  /** The plant of hidden faults. */
+  title: Words | null;
+  /** The faults among which students choose. */
+  choices: (MysteryChoice)[];
+  /** Length of a record in s. */
+  horizon: number | null;
   lead: LeadView | null;
 }
 
@@ -3875,6 +3955,12 @@ export interface SeatView {
   round: RoundView | null;
   /** Place of the student's vote in this step. */
   vote: number | null;
+  /** The student's answer about the hidden fault. */
+  answer: ChallengeAnswer | null;
+  /** After the reveal. */
+  outcome: Outcome | null;
+  /** Place among the right answers by speed, after the reveal. */
+  rank: number | null;
 }
 
 /** Go back to an earlier time. Rows, commands and notes after it are discarded; fork first to keep them. */
@@ -4754,6 +4840,10 @@ export interface Tile {
   /** Place of the vote, after the step was run. */
   choice: number | null;
   mark: 'right' | 'wrong' | null;
+  /** About the hidden fault, after the reveal. */
+  answer: ChallengeAnswer | null;
+  /** After the reveal. */
+  outcome: Outcome | null;
 }
 
 /** The times of the rows: a column, or a period for rows without one. */

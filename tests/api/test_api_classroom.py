@@ -3,16 +3,18 @@
 import csv
 import io
 import json
+import time
 from contextlib import ExitStack
 
 import numpy as np
 import pytest
+from websockets.sync.client import ClientConnection
 
 from tests.api.classes import CARD, STEP, Person, close_code, send, student, teacher, until
 from tests.api.conftest import service
 from tests.api.streams import opened
-from tests.live.stage import decoded
-from thetascope.classroom.codes import LENGTH, LETTERS
+from tests.live.stage import Frame, decoded
+from thetascope.classroom.people.codes import LENGTH, LETTERS
 from thetascope_schemas.service.classroom.requests import CLOSE_ELSEWHERE, CLOSE_NO_ROOM, CLOSE_TOKEN
 
 
@@ -22,6 +24,15 @@ def room(address):
     opened_room = teacher(address)
     yield opened_room
     opened_room.ask("DELETE", "/room")
+
+
+def binary(connection: ClientConnection, number: int) -> list[Frame]:
+    """Return the next frames of curves; heads between them are passed over."""
+    frames: list[Frame] = []
+    while len(frames) < number:
+        message = connection.recv(60)
+        frames += [] if isinstance(message, str) else [decoded(message)]
+    return frames
 
 
 def test_a_class_follows_and_votes(room, address):
@@ -55,7 +66,7 @@ def test_curves_are_the_chosen_columns_and_no_others(room, address, client):
     for _ in range(2):
         with ada.stream("/seat/curves") as phone:
             head = until(phone, lambda message: message["strip"])
-            frames = [decoded(phone.recv(60)) for _ in range(4)]
+            frames = binary(phone, 4)
         assert [frame.samples.shape[0] for frame in frames] == [2] * 4 and frames[0].first == head["row"]
         known = {f.first + i: f.samples[:, i] for f in frames for i in range(f.samples.shape[1])}
         table = client.get(f"/api/sessions/{session['id']}/data?columns=y.y,kalman.y.y")
@@ -114,7 +125,7 @@ def test_a_phone_learns_nothing_of_others(room, address):
     bob.got("PUT", "/seat/vote", {"step": STEP["step"], "choice": 1})
     seat = ada.got("GET", "/seat")
     assert "Bartholomew" not in json.dumps(seat) and seat["round"]["lead"]["right"] == []
-    assert seat.keys() == {"type", "code", "animal", "name", "students", "round", "vote"}
+    assert seat.keys() == {"type", "code", "animal", "name", "students", "round", "vote", "answer", "outcome", "rank"}
 
 
 @pytest.mark.parametrize(
@@ -204,3 +215,87 @@ def test_students_need_no_key_and_get_nothing_else(tmp_path):
         for path in ("/api/runs", "/api/sessions/x", "/", "/classroom/", "/api/course"):
             assert send(address, "GET", path, headers={"X-Seat-Token": ada.token})[0] == 401
         assert Person(address, "X-Teacher-Token", room.token).ask("GET", "/room")[0] == 401
+
+
+def played(room: Person, number: int) -> str:
+    """Wait until the records of all students play; return the id of the first student."""
+    ids = [tile["id"] for tile in room.got("GET", "/room/wall")["tiles"]]
+    assert len(ids) == number
+    end = time.monotonic() + 300
+    while any(room.ask("GET", f"/room/students/{id}/replay")[0] != 200 for id in ids):
+        assert time.monotonic() < end
+        time.sleep(0.1)
+    return ids[0]
+
+
+def graded(room: Person) -> dict:
+    """Return the wall as soon as every student has an outcome."""
+    end = time.monotonic() + 300
+    while not all(tile["outcome"] for tile in room.got("GET", "/room/wall")["tiles"]):
+        assert time.monotonic() < end
+        time.sleep(0.2)
+    return room.got("GET", "/room/wall")
+
+
+ANSWER = {"round": 1, "verdict": "channel", "channel": "gain_loss", "onset": 2.0, "size": 0.1}
+
+
+def test_a_round_of_hidden_faults(address):
+    """Records play to each phone; the truth comes with the reveal only, and answers are graded against it."""
+    room = teacher(address)
+    ada, bob, eve = (student(address, room.code) for _ in range(3))
+    room.got("POST", "/room/rounds", {"kind": "own", "setup": "motor", "seconds": 600})
+    id = played(room, 3)
+    with ada.stream("/seat/stream") as phone, ada.stream("/seat/curves") as curves, room.stream("/room/stream") as wall:
+        begun = until(phone, lambda state: state["round"] and state["round"]["left"])["round"]
+        head = until(curves, lambda message: message["panels"])
+        frames = binary(curves, 3)
+        assert frames[0].samples.shape[0] == len(head["panels"]) == 2 and frames[2].end < 8 / head["record"]
+        until(wall, lambda state: state["round"]["left"])
+        for person in (ada, bob):
+            answered = person.got("PUT", "/seat/answer", ANSWER)
+            assert answered["answer"]["channel"] == "gain_loss" and answered["outcome"] is answered["rank"] is None
+        names = [choice["channel"] for choice in begun["choices"]]
+        cannot = {"round": 1, "verdict": "cannot-be-told", "alike": names[1:3]}
+        changed = bob.got("PUT", "/seat/answer", cannot)["answer"]
+        assert [one["channel"] for one in changed["accused"]] == ["gain_loss"]
+        before = json.dumps([ada.got("GET", "/seat"), room.got("GET", "/room/wall")])
+        assert 'fault":' not in before and "detector" not in before and '"outcome": null' in before
+        seen = room.got("GET", f"/room/students/{id}/replay")
+        assert len(seen["values"][0]) < 401 and seen["outcome"] is None
+        room.got("POST", "/room/reveal")
+        shown = graded(room)
+        mine = ada.got("GET", "/seat")["outcome"]
+        assert mine == shown["tiles"][0]["outcome"] and mine["points"] >= 0
+        truth = mine["fault"]
+        assert mine["right"] is (truth is not None and truth["channel"] == "gain_loss" and mine["told"] is not None)
+        assert shown["tiles"][2]["outcome"]["right"] is None and shown["tiles"][2]["answer"] is None
+    assert len(room.got("GET", f"/room/students/{id}/replay")["values"][0]) == 401
+    assert ada.ask("PUT", "/seat/answer", ANSWER)[0] == eve.ask("PUT", "/seat/answer", ANSWER)[0] == 409
+    table = list(csv.DictReader(io.StringIO(room.got("GET", "/room/results"))))
+    assert [row["right"] for row in table] == [str(int(mine["right"])), table[1]["right"], ""]
+    assert table[0]["answer"] == "gain_loss" and table[1]["answer"].startswith("cannot be told: ")
+    room.got("DELETE", "/room")
+
+
+def test_wrong_answers_about_hidden_faults_are_refused(room, address):
+    """Unknown channels, incomplete answers, those of another round; a plant that cannot be chosen; no token."""
+    ada = student(address, room.code)
+    assert ada.ask("PUT", "/seat/answer", ANSWER)[0] == room.ask("POST", "/room/reveal")[0] == 409
+    assert room.ask("POST", "/room/rounds", {"kind": "own", "setup": "no-such"})[0] == 422
+    assert room.ask("POST", "/room/rounds", {"kind": "own", "seconds": 5})[0] == 422
+    room.got("POST", "/room/rounds", {"kind": "own", "setup": "motor", "seconds": 600})
+    played(room, 1)
+    for change, status in (
+        ({"channel": "nobody"}, 422),
+        ({"channel": None}, 422),
+        ({"verdict": "cannot-be-told", "channel": None, "alike": ["gain_loss"]}, 422),
+        ({"verdict": "cannot-be-told", "channel": None, "alike": ["gain_loss", "x"]}, 422),
+        ({"round": 2}, 409),
+        ({"onset": -1}, 422),
+    ):
+        assert ada.ask("PUT", "/seat/answer", ANSWER | change)[0] == status
+    stranger = Person(address, "X-Seat-Token", "x" * 32)
+    assert stranger.ask("PUT", "/seat/answer", ANSWER)[0] == 404
+    id = room.got("GET", "/room/wall")["tiles"][0]["id"]
+    assert Person(address, "X-Teacher-Token", ada.token).ask("GET", f"/room/students/{id}/replay")[0] == 404

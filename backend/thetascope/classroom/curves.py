@@ -6,11 +6,15 @@ is too slow, or comes back, gets the newest rows again from the session's memory
 
 import asyncio
 from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
 from struct import Struct
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from thetascope.classroom.faults.outcomes import panels_of
+from thetascope.classroom.faults.own_round import OwnRound
 from thetascope_schemas.service.classroom.requests import CurveStrip
 from thetascope_schemas.service.classroom.views import CurvesHead
 from thetascope_schemas.service.session import HEADER
@@ -21,6 +25,8 @@ if TYPE_CHECKING:
 _HEADER = Struct(HEADER)
 _QUEUE = 90
 """Frames that wait for a phone; with more it gets the newest rows again."""
+_FRAME = 1 / 30
+"""Seconds between two frames, at least."""
 _PAST = 8192
 """Rows that a phone is sent of the past."""
 
@@ -31,7 +37,7 @@ class CurveSocket:
     def __init__(self) -> None:
         self._frames: deque[bytes] = deque()
         self._ready = asyncio.Event()
-        self._again = True
+        self._again, self._row = True, 0
         self._ready.set()
 
     def put(self, data: bytes) -> None:
@@ -50,16 +56,71 @@ class CurveSocket:
         self._again = True
         self._ready.set()
 
-    async def next(self, source: "Curves") -> list[str | bytes]:
-        """Return what to send next: frames, or a head with the rows so far."""
-        await self._ready.wait()
+    async def next(self, source: "Curves", own: "OwnRecord | None") -> list[str | bytes]:
+        """Return what to send next: frames, or a head with the rows so far; `own`: the student's record."""
+        if own is not None and not self._again:
+            wait = own.next_row()
+            with suppress(TimeoutError):
+                async with asyncio.timeout(None if wait is None else max(_FRAME, wait)):
+                    await self._ready.wait()
+        else:
+            await self._ready.wait()
         self._ready.clear()
+        if own is not None:
+            return self._of_record(own)
         if not self._again:
             frames = list(self._frames)
             self._frames.clear()
             return list(frames)
         self._again = False  # frames from here on are queued: none is missed while the past is read
         return await source.beginning()
+
+    def _of_record(self, own: "OwnRecord") -> list[str | bytes]:
+        if self._again:
+            self._again, self._row = False, 0
+            self._frames.clear()
+            data = own.frame(0)
+            return [own.head().model_dump_json(), *([] if data is None else [self._sent(data)])]
+        data = own.frame(self._row)
+        return [] if data is None else [self._sent(data)]
+
+    def _sent(self, data: bytes) -> bytes:
+        _, _, first, rows, _ = _HEADER.unpack_from(data)
+        self._row = first + rows
+        return data
+
+
+class OwnRecord:
+    """The record of a student in a round of hidden faults, as far as it has been played.
+
+    Args:
+        round: the round.
+        student: the student's id.
+        now: returns the time, s.
+    """
+
+    def __init__(self, round: OwnRound, student: str, now: Callable[[], float]) -> None:
+        self._round, self._student, self._now = round, student, now
+
+    def next_row(self) -> float | None:
+        """Return the seconds until the next row; None where none follows by itself."""
+        return self._round.next_row(self._student, self._now())
+
+    def head(self) -> CurvesHead:
+        """Return what comes before the rows."""
+        setup = self._round.setup
+        panels = panels_of(setup)
+        return CurvesHead(
+            strip=None, panels=panels, record=setup.record, epoch=self._round.number, row=0, horizon=setup.horizon
+        )
+
+    def frame(self, first: int) -> bytes | None:
+        """Return the rows from `first` on; None where there are none."""
+        rows = self._round.rows(self._student, self._now())
+        if rows is None or rows.shape[1] <= first:
+            return None
+        values = np.ascontiguousarray(rows[:, first:])
+        return _HEADER.pack(0, self._round.number, first, values.shape[1], len(values)) + values.tobytes()
 
 
 class Curves:

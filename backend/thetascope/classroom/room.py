@@ -3,20 +3,28 @@
 from secrets import token_hex
 from typing import TYPE_CHECKING
 
-from thetascope.classroom import nicknames
-from thetascope.classroom.codes import digest, new_token
 from thetascope.classroom.curves import Curves
-from thetascope.classroom.listeners import Listener
+from thetascope.classroom.faults.own_round import OwnRound
+from thetascope.classroom.people import nicknames
+from thetascope.classroom.people.codes import digest, new_token
+from thetascope.classroom.people.listeners import Listener
+from thetascope.classroom.people.students import Student
 from thetascope.classroom.rounds import FollowRound
-from thetascope.classroom.students import Student
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import NotReady, OverLimit, Unknown
-from thetascope_schemas.service.classroom.requests import CLOSE_NO_ROOM, CLOSE_TOKEN, LeadRequest
-from thetascope_schemas.service.classroom.views import RoundView, SeatView, Tile, WallView
+from thetascope_schemas.service.classroom.requests import (
+    CLOSE_NO_ROOM,
+    CLOSE_TOKEN,
+    AnswerRequest,
+    LeadRequest,
+)
+from thetascope_schemas.service.learning.mystery import MysterySetup
 
 if TYPE_CHECKING:
     from thetascope.live.room.room import Room as LiveRoom
 
+_ROUNDS = 60
+"""Past rounds that are kept for the results."""
 _RETRY = 60.0
 """Seconds after which somebody may try again to join a full room."""
 
@@ -37,8 +45,9 @@ class Room:
         self.opened = self.used = now
         self.now = now
         self.students: dict[str, Student] = {}
-        self.round: FollowRound | None = None
-        self.past: list[FollowRound] = []
+        self.round: FollowRound | OwnRound | None = None
+        self.past: list[FollowRound | OwnRound] = []
+        self.numbered = 0
         self.curves = Curves()
         self._wall: list[Listener] = []
         self._asleep: frozenset[str] = frozenset()
@@ -53,6 +62,8 @@ class Room:
         animal = nicknames.free_animal([student.animal for student in self.students.values()])
         student = Student(token_hex(6), digest(token), animal, now)
         self.students[student.id] = student
+        if isinstance(self.round, OwnRound) and not self.round.revealed:
+            self.round.seat(student.id)
         self.touch(now)
         self.changed()
         return student, token
@@ -79,13 +90,57 @@ class Room:
 
     def begin(self, now: float) -> FollowRound:
         """Begin a round in which all see the teacher's session."""
+        self.round = following = FollowRound(self._next_round())
+        self._begun(now)
+        return following
+
+    def begin_own(self, setup: MysterySetup, seconds: float, now: float) -> OwnRound:
+        """Begin a round of hidden faults; all students get a place in it."""
+        self.round = own = OwnRound(self._next_round(), setup, seconds)
+        for student in self.students:
+            own.seat(student)
+        self._begun(now)
+        return own
+
+    def _next_round(self) -> int:
+        """Put the present round to the past ones; return the number of the next."""
         if self.round is not None:
-            self.past.append(self.round)
-        self.round = FollowRound(1 + len(self.past))
+            self.numbered = self.round.number
+            if isinstance(self.round, OwnRound):
+                self.round.stop()
+            self.past = [*self.past, self.round][-_ROUNDS:]
+        return self.numbered + 1
+
+    def _begun(self, now: float) -> None:
         self.curves.show(None, None)
         self.touch(now)
         self.changed()
+        self.restart_curves()
+
+    def restart_curves(self) -> None:
+        """Send heads and rows of the curves again: they are those of another round, or more of them are there."""
+        for student in self.students.values():
+            for socket in student.sockets:
+                socket.restart()
+
+    def own(self) -> OwnRound:
+        """Return the present round, if it is one of hidden faults. Raises NotReady."""
+        if not isinstance(self.round, OwnRound):
+            raise NotReady(Message("classroom.no-faults"))
         return self.round
+
+    def answer(self, student: Student, given: AnswerRequest, now: float) -> None:
+        """Keep a student's answer. Raises NotReady, InvalidSpec."""
+        self.own().answer(student.id, given, now)
+        self.touch(now)
+        self.changed_for(student)
+
+    def reveal(self, now: float) -> None:
+        """Show the hidden faults, and grade the answers. Raises NotReady."""
+        self.own().revealed = True
+        self.touch(now)
+        self.changed()
+        self.restart_curves()
 
     def following(self) -> FollowRound:
         """Return the present round, if all follow the teacher in it. Raises NotReady."""
@@ -120,6 +175,8 @@ class Room:
         if asleep != self._asleep:
             self._asleep = asleep
             self._to_wall()
+        if isinstance(self.round, OwnRound) and self.round.left(now) == 0.0:
+            self.reveal(now)
         if self._wall or len(asleep) < len(self.students):
             self.used = now
 
@@ -159,45 +216,7 @@ class Room:
     def close(self) -> None:
         """End all connections."""
         self.curves.show(None, None)
+        if isinstance(self.round, OwnRound):
+            self.round.stop()
         for listener in (*self._wall, *(one for student in self.students.values() for one in student.listeners)):
             listener.close(CLOSE_NO_ROOM)
-
-    # ---- views -------------------------------------------------------------------------------------------------------
-
-    def wall_view(self) -> WallView:
-        """Return what the wall shows."""
-        votes = () if self.round is None else self.round.counts()
-        tiles = tuple(self._tile(student) for student in self.students.values())
-        return WallView(code=self.code, tiles=tiles, votes=votes, round=self._round_view())
-
-    def seat_view(self, student: Student) -> SeatView:
-        """Return what a student's phone shows: nothing of others but their number."""
-        step = None if self.round is None else self.round.step
-        return SeatView(
-            code=self.code,
-            animal=student.animal,
-            name=student.name,
-            students=len(self.students),
-            round=self._round_view(),
-            vote=None if step is None else step.votes.get(student.id),
-        )
-
-    def _round_view(self) -> RoundView | None:
-        if self.round is None:
-            return None
-        lead = self.round.lead
-        return RoundView(number=self.round.number, kind="follow", lead=self.round.lead_view(live=bool(lead.session)))
-
-    def _tile(self, student: Student) -> Tile:
-        step = None if self.round is None else self.round.step
-        choice = None if step is None else step.votes.get(student.id)
-        revealed = step is not None and step.lead.phase == "after"
-        return Tile(
-            id=student.id,
-            animal=student.animal,
-            name=student.name,
-            asleep=student.is_asleep(self.now),
-            answered=choice is not None,
-            choice=choice if revealed else None,
-            mark=None if self.round is None else self.round.mark(student.id),
-        )

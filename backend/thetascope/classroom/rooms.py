@@ -1,13 +1,17 @@
 """All rooms of the service: opened, found by their code or by a token, and ended when nobody uses them."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from typing import Any
 
-from thetascope.classroom.codes import digest, new_code, new_token, read_code
+from thetascope.classroom.faults.computing import Computing
+from thetascope.classroom.faults.own_round import OwnRound
+from thetascope.classroom.people.codes import digest, new_code, new_token, read_code
+from thetascope.classroom.people.students import Student
 from thetascope.classroom.room import Room
-from thetascope.classroom.students import Student
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import OverLimit, Unknown
+from thetascope_schemas.service.learning.mystery import MysterySetup
 
 MOST_ROOMS, MOST_OF_ONE, MOST_STUDENTS = 40, 5, 120
 """Rooms that are open at a time, those of one client, and students of a room."""
@@ -22,8 +26,8 @@ _RETRY = 600.0
 class Rooms:
     """The rooms. All methods are called on the event loop."""
 
-    def __init__(self, clock: Callable[[], float] | None = None) -> None:
-        self._clock = clock
+    def __init__(self, computing: Computing, clock: Callable[[], float] | None = None) -> None:
+        self._computing, self._clock = computing, clock
         self._rooms: dict[str, Room] = {}
         self._teachers: dict[bytes, Room] = {}
         self._seats: dict[bytes, tuple[Room, Student]] = {}
@@ -81,6 +85,7 @@ class Rooms:
         """Add a student to a room; return it and its token. Raises OverLimit."""
         student, token = room.join(self.now())
         self._seats[student.digest] = (room, student)
+        self._late(room, student)
         return student, token
 
     def seat(self, token: str) -> tuple[Room, Student]:
@@ -89,6 +94,55 @@ class Rooms:
         if seat is None:
             raise Unknown(Message("classroom.no-seat"))
         return seat
+
+    def begin_own(self, room: Room, setup: MysterySetup, seconds: float) -> None:
+        """Begin a round of hidden faults, and prepare them."""
+        round = room.begin_own(setup, seconds, self.now())
+        self._task(round, self._prepare(room, round))
+
+    def _task(self, round: OwnRound, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.get_running_loop().create_task(work)
+        round.tasks.add(task)
+        task.add_done_callback(round.tasks.discard)
+
+    async def _prepare(self, room: Room, round: OwnRound) -> None:
+        """Compute records, which play as soon as they are there, then what answers are graded with."""
+        places = sorted({seat.place for seat in round.seats.values()})
+        await asyncio.gather(*(self._play(room, round, place) for place in places))
+        await asyncio.gather(*(self._examine(room, round, place) for place in places))
+
+    async def _play(self, room: Room, round: OwnRound, place: int) -> None:
+        if await round.prepare(place, self._computing):
+            self._begin_seats(room, round)
+
+    async def _examine(self, room: Room, round: OwnRound, place: int) -> None:
+        await round.examine(place, self._computing)
+        if round.revealed:
+            room.changed()
+
+    def _begin_seats(self, room: Room, round: OwnRound) -> None:
+        now = self.now()
+        begun = [student for student in room.students.values() if round.begin_seat(student.id, now)]
+        if not begun:
+            return
+        room.tick(now)
+        room.changed()
+        for student in begun:
+            for socket in student.sockets:
+                socket.restart()
+
+    def _late(self, room: Room, student: Student) -> None:
+        """Let a student who joins during a round of hidden faults take part."""
+        round = room.round
+        if not isinstance(round, OwnRound) or round.revealed:
+            return
+        place = round.seat(student.id).place
+        if place in round.records:
+            self._begin_seats(room, round)
+        else:
+            self._task(round, self._play(room, round, place))
+        if place not in round.materials:
+            self._task(round, self._examine(room, round, place))
 
     def remove(self, room: Room, id: str) -> None:
         """Remove a student. Raises Unknown."""

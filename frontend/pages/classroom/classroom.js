@@ -4,9 +4,11 @@ import {connection, get, Problem, request} from '../../common/api.js';
 import {fill, h, query} from '../../common/dom.js';
 import {mountTop} from '../../common/page-header.js';
 import {chosenLanguage} from '../../i18n/language.js';
-import {asSentence, refusalWords, speak, t} from '../../i18n/words.js';
+import {asSentence, named, refusalWords, speak, t} from '../../i18n/words.js';
 import {keepRoom, teacherRoom} from './kept.js';
 import {RoomSocket} from './room-socket.js';
+import {clock} from './answer-words.js';
+import {RecordPictures} from './record-pictures.js';
 import {drawWall} from './wall.js';
 
 /** @import * as service from '../../types/service.js' */
@@ -20,6 +22,19 @@ export class Classroom {
     this.state = null;
     /** @type {service.CourseLine[]} */
     this.lessons = [];
+    /** @type {readonly service.ClassSetup[]} */
+    this.setups = [];
+    this.setup = '';
+    this.seconds = 240;
+    this.choosing = false;
+    /** the student whose record is open @type {string | null} */
+    this.open = null;
+    this.record = new RecordPictures();
+    /** @type {service.Replay | null} */
+    this.replay = null;
+    this.playing = false;
+    this.until = 0; // when the answers are revealed, on the clock of this page
+    setInterval(() => this.tick(), 500);
     this.lost = false;
     this.names = true;
     this.votes = false;
@@ -30,12 +45,14 @@ export class Classroom {
 
   async start() {
     this.lessons = /** @type {service.CourseList} */ (await get('/api/course')).lessons;
+    this.setups = /** @type {service.ClassSetups} */ (await get('/api/classroom/setups')).setups;
+    this.setup = this.setups[0]?.id ?? '';
     const kept = teacherRoom();
     if (kept) await this.enter(() => this.ask('GET', '/room', undefined, kept.token));
     this.draw();
   }
 
-  open() {
+  openRoom() {
     return this.enter(() => this.ask('POST', '', {}));
   }
 
@@ -51,7 +68,7 @@ export class Classroom {
         token,
         onMessage: (data) => {
           if (typeof data !== 'string') return;
-          this.state = JSON.parse(data);
+          this.came(JSON.parse(data));
           this.draw();
         },
         onConnection: (now) => {
@@ -93,10 +110,87 @@ export class Classroom {
     this.problem = [problem, remedy].map(asSentence).filter(Boolean).join(' ');
   }
 
-  /** @param {'follow'} kind */
+  /** @param {'follow' | 'own'} kind */
   begin(kind) {
-    this.votes = false;
-    return this.act('POST', '/room/rounds', {kind});
+    this.votes = this.choosing = false;
+    this.open = null;
+    const body = kind === 'own' ? {kind, setup: this.setup, seconds: this.seconds} : {kind};
+    return this.act('POST', '/room/rounds', body);
+  }
+
+  choose() {
+    this.choosing = !this.choosing;
+    this.draw();
+    if (this.choosing) query('[data-keep=follow]', this.main).scrollIntoView({block: 'nearest'});
+  }
+
+  turnNames() {
+    this.names = !this.names;
+    this.draw();
+  }
+
+  /** @param {service.WallView} state */
+  came(state) {
+    const before = this.state?.round;
+    const {round} = state;
+    this.state = state;
+    this.until = performance.now() + 1000 * (round?.left ?? 0);
+    if (before?.number !== round?.number) this.open = null;
+    else if (this.open && !before?.revealed && round?.revealed) this.show(this.open);
+  }
+
+  get left() {
+    return (this.until - performance.now()) / 1000;
+  }
+
+  tick() {
+    const shown = this.main.querySelector('.wall-clock');
+    if (shown) shown.textContent = clock(this.left);
+  }
+
+  /** A student's name, or the animal; a number while names are hidden. @param {service.Tile} tile */
+  nameOf(tile) {
+    const place = this.state?.tiles.findIndex(({id}) => id === tile.id) ?? 0;
+    return this.names ? (tile.name ?? named(tile.animal)) : t('page.classroom.nameless', {n: place + 1});
+  }
+
+  /** Open the record of a student; null: shut it. @param {string | null} id */
+  async show(id) {
+    this.open = id;
+    this.playing = false;
+    this.replay = null;
+    if (id === null) return this.draw();
+    try {
+      /** @type {service.Replay} */
+      const replay = await this.ask('GET', `/room/students/${id}/replay`);
+      if (this.open !== id) return undefined;
+      this.replay = replay;
+      this.record.replay(replay, this.state?.round?.horizon ?? 1);
+    } catch (error) {
+      this.open = null;
+      this.refused(error);
+    }
+    return this.draw();
+  }
+
+  /** Let the record pass again in ten seconds, or stop. */
+  play() {
+    const {replay} = this;
+    if (!replay) return;
+    this.playing = !this.playing;
+    const end = this.state?.round?.horizon ?? 1;
+    const rows = replay.values[0]?.length ?? 0;
+    const begun = performance.now();
+    const next = () => {
+      if (this.replay !== replay) return;
+      const share = (performance.now() - begun) / 10_000;
+      const shown = this.playing ? Math.max(1, Math.min(rows, Math.ceil(share * rows))) : rows;
+      this.record.replay({...replay, values: replay.values.map((row) => row.slice(0, shown))}, end);
+      if (shown >= rows) this.playing = false;
+      this.draw();
+      if (this.playing) setTimeout(next, 60);
+    };
+    next();
   }
 
   async close() {
@@ -149,7 +243,7 @@ function drawOpening(page) {
       page.problem && h('p', {class: 'alarm', role: 'alert'}, page.problem),
       h(
         'button',
-        {class: 'run', type: 'button', 'data-keep': 'open', onclick: () => page.open()},
+        {class: 'run', type: 'button', 'data-keep': 'open', onclick: () => page.openRoom()},
         t('page.classroom.open'),
       ),
     ),
@@ -158,7 +252,10 @@ function drawOpening(page) {
 
 await speak(chosenLanguage());
 const page = new Classroom();
-mountTop(query('header'), connection, 'learn', () => page.draw());
+mountTop(query('header'), connection, 'learn', () => {
+  page.record.label();
+  page.draw();
+});
 await page.start();
 addEventListener('keydown', (event) => {
   const typing = event.target instanceof Element && event.target.closest('input, select, textarea');

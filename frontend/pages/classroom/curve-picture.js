@@ -3,6 +3,7 @@
 import {context, fill, h, number, symbol} from '../../common/dom.js';
 import {marks, niceStep} from '../../live/scope/axes.js';
 import {decode} from '../../live/net/socket.js';
+import {plain} from '../../common/names.js';
 import {named, t} from '../../i18n/words.js';
 
 /** @import * as service from '../../types/service.js' */
@@ -28,10 +29,14 @@ const LEFT = 44;
 const BOTTOM = 22;
 
 export class CurvePicture {
-  constructor() {
+  /** @param {{compact?: boolean, times?: boolean}} [how]   compact: its words lie in it; times: the axis has numbers */
+  constructor({compact = false, times = true} = {}) {
+    this.compact = compact;
+    this.top = compact ? 17 : 6;
+    this.times = times;
     this.canvas = h('canvas', {class: 'curves', role: 'img'});
     this.caption = h('p', {class: 'curves-caption'});
-    this.root = h('div', {class: 'curves-box', hidden: true}, this.caption, this.canvas);
+    this.root = h('div', {class: 'curves-box', hidden: true}, !compact && this.caption, this.canvas);
     /** @type {service.CurvesHead | null} */
     this.head = null;
     /** @type {number[][]} values of each line, by row after the first */
@@ -140,11 +145,11 @@ export class CurvePicture {
     const [t0, t1] = this.span();
     const [low, high] = this.range(t0, t1);
     const right = width - 6;
-    const bottom = height - BOTTOM;
+    const bottom = height - (this.times ? BOTTOM : 5);
     /** @param {number} t */
     const x = (t) => LEFT + ((t - t0) / (t1 - t0)) * (right - LEFT);
     /** @param {number} v */
-    const y = (v) => bottom - ((v - low) / (high - low)) * (bottom - 6);
+    const y = (v) => bottom - ((v - low) / (high - low)) * (bottom - this.top);
     this.ground(ctx, {x, right, bottom, colour});
     ctx.font = `11px ${style.getPropertyValue('--num')}`;
     ctx.fillStyle = colour('soft');
@@ -161,17 +166,29 @@ export class CurvePicture {
     ctx.textBaseline = 'top';
     const wide = niceStep(t1 - t0, Math.max(2, (right - LEFT) / 70));
     for (const value of marks(t0, t1, wide)) {
-      line(ctx, x(value), 6, x(value), bottom);
-      ctx.fillText(number(value, 5), Math.min(x(value), right - 8), bottom + 6);
+      line(ctx, x(value), this.top, x(value), bottom);
+      if (this.times) ctx.fillText(number(value, 5), Math.min(x(value), right - 8), bottom + 6);
     }
-    ctx.strokeRect(LEFT, 6, right - LEFT, bottom - 6);
+    ctx.strokeRect(LEFT, this.top, right - LEFT, bottom - this.top);
     ctx.save();
     ctx.beginPath();
-    ctx.rect(LEFT, 6, right - LEFT, bottom - 6);
+    ctx.rect(LEFT, this.top, right - LEFT, bottom - this.top);
     ctx.clip();
     this.lines.forEach((values, place) => this.curve(ctx, values, place, {x, y, t0, t1, colour}));
     ctx.restore();
+    if (this.compact) this.inside(ctx, colour);
     for (const mark of this.view.marks ?? []) this.mark(ctx, mark, {x, bottom, right, colour});
+  }
+
+  /** @param {CanvasRenderingContext2D} ctx @param {(name: string) => string} colour */
+  inside(ctx, colour) {
+    ctx.font = `11px ${colour('ui')}`;
+    ctx.textAlign = 'left';
+    ctx.textBaseline = 'top';
+    ctx.fillStyle = colour('soft');
+    const {symbol: of = '', title = null, unit = ''} = this.head?.strip ?? {};
+    const words = [plain(of), named(title)].filter(Boolean).join(' · ');
+    ctx.fillText([words, unit].filter(Boolean).join(', '), LEFT, 1);
   }
 
   /**
@@ -182,7 +199,7 @@ export class CurvePicture {
     const {until, fault, untold} = this.view;
     if (until && until > this.now) {
       ctx.fillStyle = colour('button');
-      ctx.fillRect(x(this.now), 6, right - x(this.now), bottom - 6);
+      ctx.fillRect(x(this.now), this.top, right - x(this.now), bottom - this.top);
       ctx.fillStyle = colour('soft');
       ctx.font = `600 18px ${colour('ui')}`;
       ctx.textAlign = 'center';
@@ -191,12 +208,12 @@ export class CurvePicture {
     }
     if (fault) {
       ctx.fillStyle = colour('fault-soft');
-      ctx.fillRect(x(fault[0]), 6, Math.min(right, x(fault[1])) - x(fault[0]), bottom - 6);
+      ctx.fillRect(x(fault[0]), this.top, Math.min(right, x(fault[1])) - x(fault[0]), bottom - this.top);
     }
     if (untold) {
       ctx.save();
       ctx.beginPath();
-      ctx.rect(x(untold[0]), 6, Math.min(right, x(untold[1])) - x(untold[0]), bottom - 6);
+      ctx.rect(x(untold[0]), this.top, Math.min(right, x(untold[1])) - x(untold[0]), bottom - this.top);
       ctx.clip();
       ctx.strokeStyle = colour('fault-line');
       ctx.globalAlpha = 0.55;
@@ -248,13 +265,13 @@ export class CurvePicture {
     ctx.strokeStyle = ctx.fillStyle = shade;
     ctx.lineWidth = kind === 'ink' ? 2 : 1.5;
     ctx.setLineDash(kind === 'alarm' ? [3, 3] : []);
-    line(ctx, here, 6, here, bottom);
+    line(ctx, here, this.top, here, bottom);
     ctx.setLineDash([]);
     if (kind === 'alarm') {
       ctx.beginPath();
-      ctx.moveTo(here - 6, 2);
-      ctx.lineTo(here + 6, 2);
-      ctx.lineTo(here, 11);
+      ctx.moveTo(here - 6, this.top - 4);
+      ctx.lineTo(here + 6, this.top - 4);
+      ctx.lineTo(here, this.top + 5);
       ctx.fill();
     }
     if (!text) return;
@@ -263,7 +280,7 @@ export class CurvePicture {
     ctx.textAlign = flip ? 'right' : 'left';
     ctx.textBaseline = kind === 'fault' ? 'bottom' : 'top';
     ctx.fillStyle = kind === 'fault' ? colour('fault-text') : shade;
-    ctx.fillText(text, here + (flip ? -7 : 7), kind === 'fault' ? bottom - 5 : kind === 'alarm' ? 28 : 12);
+    ctx.fillText(text, here + (flip ? -7 : 7), kind === 'fault' ? bottom - 5 : this.top + (kind === 'alarm' ? 20 : 5));
   }
 }
 

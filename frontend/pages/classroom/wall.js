@@ -3,13 +3,18 @@
 import {fill, h} from '../../common/dom.js';
 import {withSymbols} from '../../widgets/prose.js';
 import {named, t} from '../../i18n/words.js';
+import {clock} from './answer-words.js';
+import {joinCard} from './join-card.js';
 import {markOf} from './marks.js';
+import {votesCard} from './votes-card.js';
+import {faultsForm, histogram, howFast, replay, tileWords} from './wall-faults.js';
 
 /** @import {Classroom} from './classroom.js' */
 /** @import * as service from '../../types/service.js' */
 
 /** @param {Classroom} page @param {service.RoomOpened} room @param {service.WallView} state */
 export function drawWall(page, room, state) {
+  const {round} = state;
   fill(
     page.main,
     h(
@@ -18,35 +23,56 @@ export function drawWall(page, room, state) {
       head(page, state),
       page.problem && h('p', {class: 'alarm', role: 'alert'}, page.problem),
       tiles(page, state),
-      state.round === null ? beginning(page) : following(page, state.round),
+      below(page, state),
     ),
     h(
       'aside',
       {class: 'wall-side', 'aria-label': t('page.classroom.side')},
-      joinCard(page, room, state),
-      answers(page, state),
+      joinCard(room, state),
+      round?.kind === 'own' ? [histogram(round, state.tiles), howFast(round, state.tiles)] : votesCard(page, state),
     ),
   );
 }
 
+/** What is below the tiles: a replay, what to begin, what to show. @param {Classroom} page @param {service.WallView} state */
+function below(page, {round, tiles: all}) {
+  const open = round?.kind === 'own' ? all.find(({id}) => id === page.open) : undefined;
+  return [
+    round && open && page.record.head && replay(page, round, open),
+    page.choosing || round === null ? beginning(page) : round.kind === 'follow' && following(page, round),
+  ];
+}
+
+/** @param {service.RoundView | null} round */
+function titles(round) {
+  if (round === null) return [t('page.classroom.room-open'), t('page.classroom.not-begun')];
+  if (round.kind === 'own') {
+    const waiting = round.left === null ? t('page.classroom.preparing') : t('page.classroom.hidden');
+    const under = round.revealed ? t('page.class.revealed') : waiting;
+    return [t('page.classroom.round-own', {n: round.number}), `${named(round.title)} · ${under}`];
+  }
+  const {card} = round.lead ?? {};
+  return [
+    t('page.classroom.round-follow', {n: round.number}),
+    card
+      ? t('page.classroom.at-step', {title: named(card.title), n: card.place, of: card.of})
+      : t('page.classroom.no-step'),
+  ];
+}
+
 /** @param {Classroom} page @param {service.WallView} state */
 function head(page, {round, tiles: all}) {
-  const {card} = round?.lead ?? {};
-  const under = round
-    ? card
-      ? t('page.classroom.at-step', {title: named(card.title), n: card.place, of: card.of})
-      : t('page.classroom.no-step')
-    : t('page.classroom.not-begun');
+  const [title, under] = titles(round);
+  const running = round?.kind === 'own' && !round.revealed;
+  /** @param {string} keep @param {string} words @param {() => unknown} act @param {object} [more] */
+  const button = (keep, words, act, more = {}) =>
+    h('button', {class: 'quiet', type: 'button', 'data-keep': keep, onclick: act, ...more}, words);
   return h(
     'header',
     {class: 'wall-head'},
-    h(
-      'div',
-      {},
-      h('h1', {}, round ? t('page.classroom.round-follow', {n: round.number}) : t('page.classroom.room-open')),
-      h('p', {class: 'soft'}, under),
-    ),
+    h('div', {}, h('h1', {}, title), h('p', {class: 'soft'}, under)),
     h('span', {class: 'grow'}),
+    running && round.left !== null && h('b', {class: 'wall-clock', title: t('page.class.left')}, clock(page.left)),
     page.lost &&
       h(
         'span',
@@ -55,36 +81,18 @@ function head(page, {round, tiles: all}) {
         t('page.header.connection-lost'),
       ),
     all.length > 0 &&
-      h(
-        'button',
-        {
-          class: 'quiet',
-          type: 'button',
-          'data-keep': 'names',
-          'aria-pressed': String(!page.names),
-          onclick: () => {
-            page.names = !page.names;
-            page.draw();
-          },
-        },
-        page.names ? t('page.classroom.hide-names') : t('page.classroom.show-names'),
+      button('names', page.names ? t('page.classroom.hide-names') : t('page.classroom.show-names'), () =>
+        page.turnNames(),
       ),
+    round && button('csv', t('page.classroom.csv'), () => page.results()),
+    button('close', t('page.classroom.close'), () => confirm(t('page.classroom.close-sure')) && page.close()),
+    running && button('next', t('page.classroom.reveal'), () => page.act('POST', '/room/reveal'), {class: 'run'}),
     round &&
-      h(
-        'button',
-        {class: 'quiet', type: 'button', 'data-keep': 'csv', onclick: () => page.results()},
-        t('page.classroom.csv'),
-      ),
-    h(
-      'button',
-      {
-        class: 'quiet',
-        type: 'button',
-        'data-keep': 'close',
-        onclick: () => confirm(t('page.classroom.close-sure')) && page.close(),
-      },
-      t('page.classroom.close'),
-    ),
+      !running &&
+      button('next', t('page.classroom.next-round'), () => page.choose(), {
+        class: 'run',
+        'aria-expanded': String(page.choosing),
+      }),
   );
 }
 
@@ -95,29 +103,37 @@ function tiles(page, state) {
   return h(
     'ul',
     {class: `tiles ${size}`, 'aria-label': t('page.classroom.students')},
-    state.tiles.map((tile, place) => tileOf(page, state, tile, place)),
+    state.tiles.map((tile) => tileOf(page, state.round, tile)),
   );
 }
 
-/** @param {Classroom} page @param {service.WallView} state @param {service.Tile} tile @param {number} place */
-function tileOf(page, {round}, tile, place) {
-  const options = round?.lead?.card?.options ?? [];
-  const said = tile.choice === null ? '' : `${letter(tile.choice)} · ${named(options[tile.choice])}`;
-  const words = tile.asleep
-    ? t('page.classroom.asleep')
-    : said ||
-      (round === null || options.length === 0
-        ? t('page.classroom.here')
-        : tile.answered
-          ? t('page.classroom.answered')
-          : t('page.classroom.looking'));
+/** @param {Classroom} page @param {service.RoundView | null} round @param {service.Tile} tile */
+function tileOf(page, round, tile) {
+  const own = round?.kind === 'own' ? round : null;
+  const name = page.nameOf(tile);
+  const [words, after] = own ? tileWords(own, tile) : [voteWords(round, tile), ''];
+  const open = own !== null && page.open === tile.id;
+  const states = [tile.asleep && 'asleep', own?.revealed && !tile.answered && 'empty', open && 'open'];
   return h(
     'li',
-    {class: `tile${tile.asleep ? ' asleep' : ''}${tile.answered ? ' answered' : ''}`},
+    {class: ['tile', ...states].filter(Boolean).join(' ')},
     h(
       'div',
       {class: 'tile-head'},
-      h('b', {}, page.names ? (tile.name ?? named(tile.animal)) : t('page.classroom.nameless', {n: place + 1})),
+      own
+        ? h(
+            'button',
+            {
+              class: 'tile-open',
+              type: 'button',
+              'data-keep': `tile-${tile.id}`,
+              'aria-pressed': String(open),
+              onclick: () => page.show(tile.id),
+              onkeydown: (event) => arrows(event),
+            },
+            name,
+          )
+        : h('b', {}, name),
       tile.mark && markOf(tile.mark),
       h(
         'button',
@@ -125,21 +141,46 @@ function tileOf(page, {round}, tile, place) {
           class: 'tile-remove',
           type: 'button',
           'data-keep': `remove-${tile.id}`,
-          'aria-label': t('page.classroom.remove', {name: tile.name ?? named(tile.animal)}),
-          title: t('page.classroom.remove', {name: tile.name ?? named(tile.animal)}),
+          'aria-label': t('page.classroom.remove', {name}),
+          title: t('page.classroom.remove', {name}),
           onclick: () => page.act('DELETE', `/room/students/${tile.id}`),
         },
         '×',
       ),
     ),
     h('p', {class: 'tile-said'}, withSymbols(words)),
+    after && h('p', {class: 'tile-after'}, after),
   );
 }
 
-/** @param {number} place */
-const letter = (place) => 'ABCDEFGHI'[place] ?? '';
+/** What a tile says of a vote. @param {service.RoundView | null} round @param {service.Tile} tile */
+function voteWords(round, {asleep, answered, choice}) {
+  const options = round?.lead?.card?.options ?? [];
+  if (choice !== null) return `${'ABCDEFGHI'[choice]} · ${named(options[choice])}`;
+  if (asleep) return t('page.classroom.asleep');
+  if (options.length === 0) return t('page.classroom.here');
+  return answered ? t('page.classroom.answered') : t('page.classroom.looking');
+}
 
-/** What to do first. @param {Classroom} page */
+/** Arrows move among the tiles. @param {KeyboardEvent} event */
+function arrows(event) {
+  if (!event.key.startsWith('Arrow')) return;
+  event.preventDefault();
+  const all = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('.tile-open'))];
+  const place = all.findIndex((one) => one === event.target);
+  const left = all[place].getBoundingClientRect().left;
+  const column = all.filter((one) => Math.abs(one.getBoundingClientRect().left - left) < 2);
+  const row = column.indexOf(all[place]);
+  const next = {
+    ArrowLeft: all[place - 1],
+    ArrowRight: all[place + 1],
+    ArrowUp: column[row - 1],
+    ArrowDown: column[row + 1],
+  }[event.key];
+  next?.focus();
+}
+
+/** What the class does next. @param {Classroom} page */
 const beginning = (page) =>
   h(
     'section',
@@ -151,6 +192,8 @@ const beginning = (page) =>
       {class: 'run', type: 'button', 'data-keep': 'follow', onclick: () => page.begin('follow')},
       t('page.classroom.follow'),
     ),
+    h('p', {}, t('page.classroom.own-about')),
+    faultsForm(page),
   );
 
 /** The lessons, to be shown from another tab. @param {Classroom} page @param {service.RoundView} round */
@@ -164,126 +207,12 @@ const following = (page, round) =>
       'ul',
       {class: 'lesson-links'},
       page.lessons.map(({id, number, title}) =>
-        h(
-          'li',
-          {},
-          h(
-            'a',
-            {
-              class: 'quiet',
-              href: `/?lesson=${encodeURIComponent(id)}`,
-              target: 'thetascope-lesson',
-              'data-keep': `lesson-${id}`,
-            },
-            `${number} ${named(title)}`,
-          ),
-        ),
+        lessonLink(`/?lesson=${encodeURIComponent(id)}`, `${number} ${named(title)}`, `lesson-${id}`),
       ),
-      h('li', {}, h('a', {class: 'quiet', href: '/', target: 'thetascope-lesson'}, t('page.classroom.live'))),
+      lessonLink('/', t('page.classroom.live'), 'live'),
     ),
   );
 
-/** @param {Classroom} page @param {service.RoomOpened} room @param {service.WallView} state */
-function joinCard(page, room, {tiles: all}) {
-  const asleep = all.filter((tile) => tile.asleep).length;
-  return h(
-    'section',
-    {class: 'card join-card'},
-    h(
-      'div',
-      {},
-      h('h2', {}, t('page.classroom.join')),
-      h('p', {class: 'room-code', 'aria-label': [...room.code].join(' ')}, room.code),
-      h('p', {class: 'soft room-address'}, room.address.replace(/^https?:\/\//, '').replace(`/${room.code}`, '')),
-      h('p', {class: 'soft', role: 'status'}, t('page.classroom.present', {n: all.length - asleep, asleep})),
-    ),
-    qr(room),
-    !room.reachable && h('p', {class: 'alarm small'}, t('page.classroom.unreachable')),
-  );
-}
-
-/** The QR code: dark on white in both themes. @param {service.RoomOpened} room */
-function qr({qr: rows, address}) {
-  const size = rows.length + 4;
-  const path = rows
-    .flatMap((row, y) => [...row].map((dark, x) => (dark === '1' ? `M${x + 2} ${y + 2}h1v1h-1z` : '')))
-    .join('');
-  return h(
-    'svg',
-    {
-      viewBox: `0 0 ${size} ${size}`,
-      class: 'qr',
-      role: 'img',
-      'aria-label': t('page.classroom.qr', {address}),
-      'shape-rendering': 'crispEdges',
-    },
-    h('rect', {width: size, height: size, fill: '#fff'}),
-    h('path', {d: path, fill: '#000'}),
-  );
-}
-
-/** The votes, once they are to be seen. @param {Classroom} page @param {service.WallView} state */
-function answers(page, {round, votes, tiles: all}) {
-  const card = round?.lead?.card;
-  if (!card || card.options.length === 0) return null;
-  const after = round?.lead?.phase === 'after';
-  const shown = after || page.votes;
-  const voted = all.filter((tile) => tile.answered).length;
-  const most = Math.max(1, ...votes);
-  return h(
-    'section',
-    {class: 'card answers'},
-    h(
-      'div',
-      {class: 'answers-head'},
-      h('h2', {}, t('page.classroom.answers')),
-      after &&
-        h(
-          'p',
-          {class: 'soft small legend'},
-          h('span', {class: 'key right'}),
-          t('page.classroom.right'),
-          h('span', {class: 'key'}),
-          t('page.classroom.wrong'),
-        ),
-    ),
-    card.ask && h('p', {}, withSymbols(named(card.ask))),
-    h('p', {class: 'soft', role: 'status'}, t('page.classroom.voted', {n: voted, of: all.length})),
-    shown
-      ? h(
-          'ol',
-          {class: 'bars'},
-          card.options.map((text, place) => {
-            const right = after && round?.lead?.right[place];
-            return h(
-              'li',
-              {},
-              h('span', {}, h('b', {class: 'soft'}, letter(place)), ' ', withSymbols(named(text))),
-              h(
-                'span',
-                {class: 'bar-line'},
-                h('span', {
-                  class: `bar${right ? ' right' : after ? ' wrong' : ''}`,
-                  style: `width: ${(100 * (votes[place] ?? 0)) / most}%`,
-                }),
-              ),
-              h('b', {class: 'count'}, votes[place] ?? 0),
-            );
-          }),
-        )
-      : h(
-          'button',
-          {
-            class: 'quiet',
-            type: 'button',
-            'data-keep': 'votes',
-            onclick: () => {
-              page.votes = true;
-              page.draw();
-            },
-          },
-          t('page.classroom.show-votes'),
-          h('kbd', {}, 'V'),
-        ),
-  );
-}
+/** @param {string} href @param {string} words @param {string} keep */
+const lessonLink = (href, words, keep) =>
+  h('li', {}, h('a', {class: 'quiet', href, target: 'thetascope-lesson', 'data-keep': keep}, words));

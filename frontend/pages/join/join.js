@@ -7,6 +7,10 @@ import {asSentence, language, named, refusalWords, speak, t} from '../../i18n/wo
 import {keepSeat, studentSeat} from '../classroom/kept.js';
 import {CurvePicture} from '../classroom/curve-picture.js';
 import {RoomSocket} from '../classroom/room-socket.js';
+import {decode} from '../../live/net/socket.js';
+import {clock} from '../classroom/answer-words.js';
+import {RecordPictures} from '../classroom/record-pictures.js';
+import {drawFaults} from './faults.js';
 import {drawFollow} from './follow.js';
 import {drawJoin, drawWaiting} from './waiting.js';
 
@@ -24,13 +28,18 @@ export class Phone {
     this.connection = 'lost';
     this.problem = '';
     this.picture = new CurvePicture();
+    this.record = new RecordPictures();
+    this.until = 0; // when the answers are revealed, on the clock of this page
+    setInterval(() => this.tick(), 500);
     /** @type {RoomSocket[]} */
     this.sockets = [];
     this.main = query('#main');
     this.head = query('.seat-head');
     this.foot = query('.seat-foot');
     /** the choice that is not sent yet, and for which step @type {{step: string, choice: number} | null} */
-    this.draft = kept.read();
+    this.draft = kept.read('thetascope.vote');
+    /** the answer that is not sent yet @type {import('./faults.js').Draft | null} */
+    this.answer = kept.read('thetascope.answer');
     this.renaming = false;
     this.busy = false;
     this.unfolded = false;
@@ -71,7 +80,8 @@ export class Phone {
         token,
         onMessage: (data) => {
           if (typeof data !== 'string') return;
-          this.state = JSON.parse(data);
+          this.state = /** @type {service.SeatView} */ (JSON.parse(data));
+          this.until = performance.now() + 1000 * (this.state.round?.left ?? 0);
           this.draw();
         },
         onConnection: (now) => (now === 'live' || now === 'lost' ? this.connected(now) : this.gone(now)),
@@ -79,10 +89,43 @@ export class Phone {
       new RoomSocket({
         path: '/api/classroom/seat/curves',
         token,
-        onMessage: (data) => this.picture.receive(data),
+        onMessage: (data) => this.curves(data),
       }),
     ];
     this.draw();
+  }
+
+  /** Curves of the teacher's session, or of the record of one's own. @param {string | ArrayBuffer} data */
+  curves(data) {
+    if (typeof data !== 'string') {
+      if (this.record.head) this.played(data);
+      else this.picture.receive(data);
+      return;
+    }
+    /** @type {service.CurvesHead} */
+    const head = JSON.parse(data);
+    if (head.panels.length) this.record.begin(head);
+    else {
+      this.record.head = null;
+      this.picture.begin(head);
+    }
+    this.draw();
+  }
+
+  /** Rows of the record of one's own; with the first of them it can be answered. @param {ArrayBuffer} data */
+  played(data) {
+    const first = this.record.empty;
+    this.record.add(decode(data));
+    if (first) this.draw();
+  }
+
+  /** The time that is left; sliders follow the record. */
+  tick() {
+    const left = this.head.querySelector('.left');
+    if (left) left.textContent = clock((this.until - performance.now()) / 1000);
+    const since = document.querySelector('#since');
+    if (since instanceof HTMLInputElement && since !== document.activeElement)
+      since.max = String(Math.max(this.record.now, Number(since.value)));
   }
 
   /** @param {'live' | 'lost'} now */
@@ -136,18 +179,43 @@ export class Phone {
   /** @param {{step: string, choice: number} | null} draft */
   keep(draft) {
     this.draft = draft;
-    kept.write(draft);
+    kept.write('thetascope.vote', draft);
     this.draw();
+  }
+
+  /** @param {import('./faults.js').Draft} answer @param {boolean} [again]   whether to draw the page again */
+  keepAnswer(answer, again = true) {
+    this.answer = answer;
+    kept.write('thetascope.answer', answer);
+    if (again) this.draw();
   }
 
   drawHead() {
     const {state} = this;
     const lost = this.connection === 'lost';
+    const own = state?.round?.kind === 'own' ? state.round : null;
+    const left =
+      own &&
+      !lost &&
+      (own.revealed
+        ? h('span', {class: 'soft'}, t('page.class.revealed'))
+        : own.left !== null &&
+          h(
+            'span',
+            {class: 'soft left', 'aria-label': t('page.class.left')},
+            clock((this.until - performance.now()) / 1000),
+          ));
     fill(
       this.head,
-      h('b', {}, state ? t('page.join.room', {code: state.code}) : 'Thetascope'),
+      h(
+        'b',
+        {},
+        own ? t('page.join.round', {n: own.number}) : state ? t('page.join.room', {code: state.code}) : 'Thetascope',
+      ),
       h('span', {class: 'grow'}),
+      left,
       state &&
+        !left &&
         h(
           'span',
           {class: lost ? 'connection lost' : 'connection', role: 'status'},
@@ -172,6 +240,7 @@ export class Phone {
     rememberLanguage(other);
     await speak(other);
     this.picture.label();
+    this.record.label();
     this.draw();
   }
 
@@ -182,6 +251,7 @@ export class Phone {
     this.drawHead();
     const lead = state?.round?.lead;
     if (!this.seat || !state) drawJoin(this);
+    else if (!this.renaming && state.round?.kind === 'own') drawFaults(this, state, state.round);
     else if (this.renaming || !lead || (!lead.card && !lead.live)) drawWaiting(this, state);
     else drawFollow(this, state, lead);
     if (focused) /** @type {HTMLElement | null} */ (document.querySelector(`[data-keep="${focused}"]`))?.focus();
@@ -193,20 +263,20 @@ export class Phone {
   }
 }
 
-/** The choice that is not sent yet. */
+/** What is half made, on this device. */
 const kept = {
-  /** @returns {{step: string, choice: number} | null} */
-  read() {
+  /** @param {string} key */
+  read(key) {
     try {
-      return JSON.parse(localStorage.getItem('thetascope.draft') ?? 'null');
+      return JSON.parse(localStorage.getItem(key) ?? 'null');
     } catch {
       return null;
     }
   },
-  /** @param {{step: string, choice: number} | null} draft */
-  write(draft) {
+  /** @param {string} key @param {unknown} value */
+  write(key, value) {
     try {
-      localStorage.setItem('thetascope.draft', JSON.stringify(draft));
+      localStorage.setItem(key, JSON.stringify(value));
     } catch {
       /* private windows keep nothing */
     }

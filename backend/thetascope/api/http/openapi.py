@@ -11,6 +11,7 @@ from thetascope.runs.specs.run_requests import RunRequest
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.classroom.requests import (
+    AnswerRequest,
     JoinRequest,
     LeadRequest,
     NameRequest,
@@ -72,6 +73,7 @@ BODIES = (
     NameRequest,
     VoteRequest,
     ChallengeAnswer,
+    AnswerRequest,
     Problem,
 )
 _ANY = {"description": "Another refusal, or an internal error (500).", "content": PROBLEM}

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
+from thetascope.classroom.faults.computing import Computing
 from thetascope.classroom.rooms import Rooms
 from thetascope.live.scheduling.hub import Hub
 from thetascope.runs.jobs.manager import RunManager
@@ -62,9 +63,8 @@ class Services:
         runs.resume()
         plants = MyPlants(PlantStore(database), settings.plant_limit)
         lessons = MyLessons(LessonStore(database), settings.plant_limit)
-        return cls(
-            settings, workers, runs, Hub(settings, workers), database, records, plants, lessons, notebook, Rooms()
-        )
+        rooms = Rooms(Computing(workers))
+        return cls(settings, workers, runs, Hub(settings, workers), database, records, plants, lessons, notebook, rooms)
 
     def with_record(self, spec: ResolvedExperiment) -> ResolvedExperiment:
         """Return an experiment with the file of its record, if it has one. Raises Unknown for no such record."""

@@ -1,11 +1,13 @@
 """What teachers and students of a classroom send."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from thetascope_schemas.experiment.base import Flag, Instant, Strict, example
+from thetascope_schemas.experiment.base import Flag, Identifier, Instant, Reference, Strict, example
+from thetascope_schemas.service.learning.challenge import Size, Verdict
 from thetascope_schemas.service.learning.measures import ColumnName
+from thetascope_schemas.texts.refusal import refuse
 
 CLOSE_NO_ROOM = 4404  # the room does not exist, or has ended
 CLOSE_TOKEN = 4401  # the token is that of no teacher or student here
@@ -120,4 +122,31 @@ class RoundRequest(Strict):
 
     model_config = example(kind="follow")
 
-    kind: Literal["follow"] = Field(description="follow: all see the teacher's session, and vote.")
+    kind: Literal["follow", "own"] = Field(
+        description="follow: all see the teacher's session, and vote; own: each has a record with a hidden fault."
+    )
+    setup: Identifier | None = Field(default=None, description="The plant of hidden faults: a set-up of the library.")
+    seconds: int = Field(default=240, ge=20, le=3600, strict=True, description="Time in s for finding a hidden fault.")
+
+
+class AnswerRequest(Strict):
+    """A student's answer about the hidden fault. It may be changed until the round is revealed."""
+
+    model_config = example(round=2, verdict="channel", channel="leak1", onset=400.0, size=0.08)
+
+    round: int = Field(ge=1, le=10_000, strict=True, description="Number of the round, counted from 1.")
+    verdict: Verdict
+    channel: Reference | None = None
+    alike: tuple[Reference, ...] = Field(
+        default=(), max_length=12, description="The channels that look alike, where it cannot be told."
+    )
+    onset: Instant | None = Field(default=None, description="Time in s at which it is thought to have begun.")
+    size: Size = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if (self.verdict == "channel") != (self.channel is not None):
+            raise refuse("challenge.answer.channel", "channel", self.channel)
+        if (self.verdict == "cannot-be-told") != (len(set(self.alike)) >= 2):
+            raise refuse("challenge.answer.alike", "alike", list(self.alike))
+        return self

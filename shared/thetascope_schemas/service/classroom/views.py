@@ -5,9 +5,25 @@ from typing import Literal
 from pydantic import Field
 
 from thetascope_schemas.experiment.base import Number, Strict
-from thetascope_schemas.service.classroom.requests import Caption, CurveStrip, StepCard
+from thetascope_schemas.service.classroom.requests import Caption, CurveLine, CurveStrip, StepCard
+from thetascope_schemas.service.learning.challenge import ChallengeAnswer, HiddenFault
+from thetascope_schemas.service.learning.mystery import MysteryChoice
+from thetascope_schemas.service.learning.questions import Words
 
 Marked = Literal["right", "wrong"] | None
+
+
+class Outcome(Strict):
+    """An answer after the reveal: the truth, what could be told of it, and what the detector found."""
+
+    right: bool | None = Field(description="null: there was no answer.")
+    points: int | None = Field(description="Of 100; null: there was no answer.")
+    fault: HiddenFault | None = Field(description="null: nothing was wrong.")
+    after: Number | None = Field(description="Seconds of the record from its beginning to the answer.")
+    told: Number | None = Field(description="Time in s from which it could be told from all others; null: never.")
+    alike: tuple[str, ...] = Field(description="The channels that look alike until the end.")
+    detector: ChallengeAnswer | None
+    detector_points: int = Field(description="Points of the detector's answer, of 100.")
 
 
 class Tile(Strict):
@@ -20,6 +36,8 @@ class Tile(Strict):
     answered: bool
     choice: int | None = Field(description="Place of the vote, after the step was run.")
     mark: Marked
+    answer: ChallengeAnswer | None = Field(description="About the hidden fault, after the reveal.")
+    outcome: Outcome | None = Field(description="After the reveal.")
 
 
 class LeadView(Strict):
@@ -38,7 +56,12 @@ class RoundView(Strict):
     """The present round."""
 
     number: int = Field(description="Of the round, counted from 1.")
-    kind: Literal["follow"]
+    kind: Literal["follow", "own"]
+    revealed: bool = Field(default=False, description="Whether the hidden faults are shown.")
+    left: Number | None = Field(default=None, description="Seconds until they are; null: no time runs.")
+    title: Words | None = Field(default=None, description="The plant of hidden faults.")
+    choices: tuple[MysteryChoice, ...] = Field(default=(), description="The faults among which students choose.")
+    horizon: Number | None = Field(default=None, description="Length of a record in s.")
     lead: LeadView | None
 
 
@@ -62,6 +85,9 @@ class SeatView(Strict):
     students: int = Field(description="Students in the room.")
     round: RoundView | None
     vote: int | None = Field(description="Place of the student's vote in this step.")
+    answer: ChallengeAnswer | None = Field(description="The student's answer about the hidden fault.")
+    outcome: Outcome | None = Field(description="After the reveal.")
+    rank: int | None = Field(description="Place among the right answers by speed, after the reveal.")
 
 
 class JoinedRoom(Strict):
@@ -69,6 +95,19 @@ class JoinedRoom(Strict):
 
     token: str
     seat: SeatView
+
+
+class ClassSetup(Strict):
+    """A plant in which faults can be hidden."""
+
+    id: str
+    title: Words
+
+
+class ClassSetups(Strict):
+    """The plants in which faults can be hidden."""
+
+    setups: tuple[ClassSetup, ...]
 
 
 class RoomOpened(Strict):
@@ -81,6 +120,26 @@ class RoomOpened(Strict):
     qr: tuple[str, ...] = Field(description="The QR code of the address: a text of 0 and 1 for each row.")
 
 
+class CurvePanel(Strict):
+    """A strip of its own for one curve."""
+
+    symbol: str
+    title: Caption
+    unit: str
+    line: CurveLine
+
+
+class Replay(Strict):
+    """The record of a student, for the wall."""
+
+    id: str
+    record: Number = Field(description="Time in s between rows.")
+    panels: tuple[CurvePanel, ...]
+    values: tuple[tuple[Number | None, ...], ...] = Field(description="The rows of each strip.")
+    answer: ChallengeAnswer | None
+    outcome: Outcome | None
+
+
 class CurvesHead(Strict):
     """The first text on the stream of curves, and again after every change of columns; binary frames follow it.
 
@@ -88,7 +147,8 @@ class CurvesHead(Strict):
     """
 
     type: Literal["curves"] = "curves"
-    strip: CurveStrip | None = Field(description="null: there are no curves now.")
+    strip: CurveStrip | None = Field(description="null: there are no curves of the teacher's session now.")
+    panels: tuple[CurvePanel, ...] = Field(default=(), description="A strip for each curve of a record of one's own.")
     record: Number = Field(description="Time in s between rows.")
     epoch: int
     row: int = Field(description="Number of the first row that follows.")

@@ -18,9 +18,10 @@ from thetascope.api.http.services import Services, Use
 from thetascope.api.routes.classroom.streams import CurveStream, SeatStream
 from thetascope.api.sign_in.presented import presented
 from thetascope.classroom.room import Room
+from thetascope.classroom.room_views import seat_view
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import OverLimit, Unknown
-from thetascope_schemas.service.classroom.requests import JoinRequest, NameRequest, VoteRequest
+from thetascope_schemas.service.classroom.requests import AnswerRequest, JoinRequest, NameRequest, VoteRequest
 from thetascope_schemas.service.classroom.views import JoinedRoom, SeatView
 
 router = APIRouter(prefix="/classroom", tags=["classroom"])
@@ -45,7 +46,7 @@ async def join_room(request: Request, services: Use) -> Response:
     body = await parsed_as(request, services, JoinRequest)
     room = await _room(request, services, body.code)
     student, token = services.rooms.join(room)
-    joined = JoinedRoom(token=token, seat=room.seat_view(student))
+    joined = JoinedRoom(token=token, seat=seat_view(room, student))
     return Response(joined.model_dump_json(), 201, _NONE, "application/json")
 
 
@@ -91,6 +92,20 @@ async def vote(request: Request, services: Use, token: SeatToken = "") -> Respon
     return _seat(services, token)
 
 
+@router.put(
+    "/seat/answer",
+    response_model=SeatView,
+    openapi_extra=body_schema("AnswerRequest"),
+    responses=documented(404, 409, 413, 415, 422),
+)
+async def answer(request: Request, services: Use, token: SeatToken = "") -> Response:
+    """Say what the hidden fault is, or that it cannot be told, or change that, until the time is up."""
+    room, student = services.rooms.seat(token)
+    body = await parsed_as(request, services, AnswerRequest)
+    room.answer(student, body, services.rooms.now())
+    return _seat(services, token)
+
+
 async def _room(request: Request, services: Services, code: str) -> Room:
     """Return the room with a code; a wrong one is answered late. Raises Unknown, OverLimit."""
     room = services.rooms.with_code(code)
@@ -109,4 +124,4 @@ async def _room(request: Request, services: Services, code: str) -> Room:
 
 def _seat(services: Services, token: str) -> Response:
     room, student = services.rooms.seat(token)
-    return Response(room.seat_view(student).model_dump_json(), 200, _NONE, "application/json")
+    return Response(seat_view(room, student).model_dump_json(), 200, _NONE, "application/json")

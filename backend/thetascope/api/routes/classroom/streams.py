@@ -15,8 +15,10 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from thetascope.api.http.language import language_of
 from thetascope.api.http.services import Services
-from thetascope.classroom.curves import CurveSocket
-from thetascope.classroom.listeners import Listener
+from thetascope.classroom.curves import CurveSocket, OwnRecord
+from thetascope.classroom.faults.own_round import OwnRound
+from thetascope.classroom.people.listeners import Listener
+from thetascope.classroom.room_views import seat_view, wall_view
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import Unknown
 from thetascope_schemas.service.classroom.requests import CLOSE_TOKEN
@@ -44,7 +46,7 @@ class WallStream:
         except Unknown as error:
             await _close(websocket, CLOSE_TOKEN, error.problem)
             return
-        listener = Listener(room.wall_view)
+        listener = Listener(lambda: wall_view(room))
         room.watch(listener)
         try:
             await _serve(websocket, lambda: _states(websocket, listener))
@@ -64,7 +66,7 @@ class SeatStream:
         except Unknown as error:
             await _close(websocket, CLOSE_TOKEN, error.problem)
             return
-        listener = Listener(lambda: room.seat_view(student))
+        listener = Listener(lambda: seat_view(room, student))
         room.arrive(student, listener)
         try:
             await _serve(websocket, lambda: _states(websocket, listener))
@@ -87,10 +89,15 @@ class CurveStream:
         socket = CurveSocket()
         curves = room.curves
         curves.connect(socket)
+        student.sockets.add(socket)
+
+        def own() -> OwnRecord | None:
+            now = services.rooms.now
+            return OwnRecord(room.round, student.id, now) if isinstance(room.round, OwnRound) else None
 
         async def frames() -> None:
             while True:
-                for data in await socket.next(curves):
+                for data in await socket.next(curves, own()):
                     if isinstance(data, str):
                         await send({"type": "websocket.send", "text": data})
                     else:
@@ -100,6 +107,7 @@ class CurveStream:
             await _serve(websocket, frames)
         finally:
             curves.disconnect(socket)
+            student.sockets.discard(socket)
 
 
 async def _accepted(scope: Scope, receive: Receive, send: Send) -> tuple[WebSocket, Services, str]:

@@ -6,6 +6,7 @@ from fastapi import APIRouter, Header, Request
 from starlette.responses import Response
 from starlette.routing import WebSocketRoute
 
+from thetascope import library
 from thetascope.api.http.computed import client_of
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed_as
@@ -15,9 +16,12 @@ from thetascope.api.routes.classroom.join_address import join_address, qr_rows
 from thetascope.api.routes.classroom.streams import WallStream
 from thetascope.classroom.result_table import csv_of
 from thetascope.classroom.room import Room
+from thetascope.classroom.room_views import replay_of, wall_view
 from thetascope.export import MEDIA_TYPES
+from thetascope.messages import Message
+from thetascope.runs.specs.refusals import invalid
 from thetascope_schemas.service.classroom.requests import LeadRequest, RoundRequest
-from thetascope_schemas.service.classroom.views import RoomOpened, WallView
+from thetascope_schemas.service.classroom.views import ClassSetup, ClassSetups, Replay, RoomOpened, WallView
 
 router = APIRouter(prefix="/classroom", tags=["classroom"])
 router.routes.append(WebSocketRoute("/classroom/room/stream", WallStream()))
@@ -34,6 +38,13 @@ async def open_room(request: Request, services: Use) -> Response:
     return _answer(_opened(request, services, room, token), 201)
 
 
+@router.get("/setups", response_model=ClassSetups)
+def list_setups() -> Response:
+    """Return the plants of the library in which faults can be hidden."""
+    setups = tuple(ClassSetup(id=setup.id, title=setup.title) for setup in library.mysteries().values())
+    return _answer(ClassSetups(setups=setups))
+
+
 @router.get("/room", response_model=RoomOpened, responses=documented(404))
 async def get_room(request: Request, services: Use, token: TeacherToken = "") -> Response:
     """Return code, address and QR code of the teacher's room."""
@@ -43,7 +54,7 @@ async def get_room(request: Request, services: Use, token: TeacherToken = "") ->
 @router.get("/room/wall", response_model=WallView, responses=documented(404))
 async def get_wall(services: Use, token: TeacherToken = "") -> Response:
     """Return what the wall shows; the stream sends the same after every change."""
-    return _answer(services.rooms.of_teacher(token).wall_view())
+    return _answer(wall_view(services.rooms.of_teacher(token)))
 
 
 @router.delete("/room", status_code=204, response_model=None, responses=documented(404))
@@ -65,9 +76,30 @@ async def close_room(request: Request, services: Use, token: TeacherToken = "") 
 async def begin_round(request: Request, services: Use, token: TeacherToken = "") -> Response:
     """Begin a round; it ends the one before."""
     room = services.rooms.of_teacher(token)
-    await parsed_as(request, services, RoundRequest)
-    room.begin(services.rooms.now())
-    return _answer(room.wall_view(), 201)
+    body = await parsed_as(request, services, RoundRequest)
+    if body.kind == "follow":
+        room.begin(services.rooms.now())
+    else:
+        setups = library.mysteries()
+        setup = setups.get(body.setup or next(iter(setups)))
+        if setup is None:
+            raise invalid("setup", body.setup, Message("classroom.no-setup"), Message("suggest.all", names=[*setups]))
+        services.rooms.begin_own(room, setup, float(body.seconds))
+    return _answer(wall_view(room), 201)
+
+
+@router.post("/room/reveal", response_model=WallView, responses=documented(404, 409))
+async def reveal(services: Use, token: TeacherToken = "") -> Response:
+    """Show the hidden faults now; otherwise they are shown when the time is up."""
+    room = services.rooms.of_teacher(token)
+    room.reveal(services.rooms.now())
+    return _answer(wall_view(room))
+
+
+@router.get("/room/students/{id}/replay", response_model=Replay, responses=documented(404, 409))
+async def get_replay(id: str, services: Use, token: TeacherToken = "") -> Response:
+    """Return a student's record as far as it was played, with answer and outcome."""
+    return _answer(replay_of(services.rooms.of_teacher(token), id))
 
 
 @router.post(

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass, field
 
-from thetascope.classroom.listeners import Listener
+from thetascope.classroom.curves import CurveSocket
+from thetascope.classroom.people.listeners import Listener
 from thetascope_schemas.service.classroom.requests import CLOSE_ELSEWHERE, Caption
 
 ASLEEP_AFTER = 6.0
@@ -22,6 +23,7 @@ class Student:
         left: when the last connection ended, s.
         name: the name that the student has chosen.
         listeners: the student's connections.
+        sockets: the student's connections for curves.
         came: whether there has been a connection.
     """
 
@@ -32,6 +34,7 @@ class Student:
     name: str | None = None
     listeners: list[Listener] = field(default_factory=list)
     came: bool = False
+    sockets: set[CurveSocket] = field(default_factory=set)
 
     def is_asleep(self, now: float) -> bool:
         """Return whether no page of the student is connected."""

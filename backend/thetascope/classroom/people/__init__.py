@@ -1,0 +1,1 @@
+"""Students: their codes and tokens, nicknames, and connections."""
