@@ -16,9 +16,10 @@ let timer;
  * Explain an element, which then can be focused. The sentence is asked for when it is shown.
  * @param {HTMLElement} element
  * @param {() => string} sentence
+ * @param {boolean} [focusable]   false where the same symbol can be focused nearby
  */
-export function explain(element, sentence) {
-  element.tabIndex = 0;
+export function explain(element, sentence, focusable = true) {
+  if (focusable) element.tabIndex = 0;
   element.classList.add('explained');
   element.addEventListener('pointerenter', ({pointerType}) => {
     if (pointerType === 'mouse') later(() => show(element, sentence()), REST);

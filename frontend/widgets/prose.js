@@ -8,7 +8,7 @@ const SYMBOL = /λmin|(?<![A-Za-z])([θφρλxyhuqKHLR]\u0302?|ŷ)(\d*)(?![A-Za-
 const LETTERS = /^[qh]$/; // words of a sentence where they stand alone: only with an index or a hat are they symbols
 
 /**
- * Words with their symbols in italics.
+ * Words with their symbols in italics; the letter of each, with its hat, is its `data-symbol`.
  * @param {string} words
  * @returns {Child[]}
  */
@@ -21,10 +21,11 @@ export function withSymbols(words) {
     if (LETTERS.test(match[0])) continue;
     parts.push(text.slice(at, match.index));
     at = match.index + match[0].length;
+    const mark = (/** @type {Child[]} */ ...symbol) => h('span', {'data-symbol': match[1] ?? match[0]}, symbol);
     parts.push(
       match[0] === 'λmin'
-        ? [h('i', {}, 'λ'), h('sub', {}, 'min')]
-        : [match[1].length > 1 ? hatted(match[1][0]) : h('i', {}, match[1]), match[2] && h('sub', {}, match[2])],
+        ? mark(h('i', {}, 'λ'), h('sub', {}, 'min'))
+        : mark(match[1].length > 1 ? hatted(match[1][0]) : h('i', {}, match[1]), match[2] && h('sub', {}, match[2])),
     );
   }
   return [...parts, text.slice(at)];

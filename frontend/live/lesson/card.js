@@ -1,6 +1,7 @@
 // The card of a lesson: words, question, answers; after the run what was said, what was seen, and why.
 
 import {fill, h} from '../../common/dom.js';
+import {explainSymbols} from './symbols.js';
 import {prose, withSymbols} from '../../widgets/prose.js';
 import {slider} from '../../widgets/controls.js';
 import {logarithmic} from '../../widgets/slider-scale.js';
@@ -27,6 +28,7 @@ export function drawCard(card, lesson) {
     phase === 'after' ? after(lesson) : before(lesson),
     h('div', {class: 'lesson-act'}, buttons(lesson)),
   );
+  explainSymbols(card);
   card.setAttribute('data-phase', phase);
   if (focused) /** @type {HTMLElement | null} */ (card.querySelector(`[data-keep="${focused}"]`))?.focus();
 }

@@ -6,14 +6,14 @@ import {t} from '../../i18n/words.js';
 
 /** @import {App} from '../types.js' */
 
-const WIDTH = 880;
-const HEIGHT = 264;
+const WIDTH = 782;
+const HEIGHT = 266;
 const FULL = 16; // cm, to the rim
 const TANK = {width: 112, height: 74};
 const UPPER = 36;
 const LOWER = 146;
 const REAL = 110;
-const COPY = 640;
+const COPY = 560;
 
 /** @param {HTMLElement} element @param {App} app */
 export function mountCopyPicture(element, app) {
@@ -105,7 +105,7 @@ function picture(app) {
   const listens = (observer?.gains.rho ?? 1) !== 1e-6;
   const svg = s(
     'svg',
-    {viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: 'img', 'aria-label': t('page.lesson.picture.label')},
+    {viewBox: `0 -8 ${WIDTH} ${HEIGHT + 8}`, role: 'img', 'aria-label': t('page.lesson.picture.label')},
     s(
       'defs',
       {},
@@ -128,8 +128,8 @@ function picture(app) {
         s('path', {d: 'M0 0L8 4L0 8z', fill: 'context-stroke'}),
       ),
     ),
-    text(REAL + TANK.width / 2, 13, t('page.lesson.picture.real'), {class: 'copy-title'}),
-    text(COPY + TANK.width / 2, 13, t('page.lesson.picture.copy'), {class: 'copy-title', style: `fill:${colour}`}),
+    text(REAL + TANK.width / 2, 15, t('page.lesson.picture.real'), {class: 'copy-title'}),
+    text(COPY + TANK.width / 2, 15, t('page.lesson.picture.copy'), {class: 'copy-title', style: `fill:${colour}`}),
     ...pipes(REAL, 'var(--soft)'),
     ...pipes(COPY, colour),
     hatched,
@@ -166,7 +166,7 @@ function picture(app) {
     figure((REAL + TANK.width + middle) / 2 - 8, y + 24, 'y', () => app.latest('y.y'), 'var(--ink)'),
     text((COPY + middle) / 2 + 8, y - 12, t('page.lesson.picture.predicted')),
     figure((COPY + middle) / 2 + 8, y + 24, 'ŷ', () => app.latest(`${label}.y.y`), colour),
-    figure(middle, y + 44, 'y − ŷ', () => app.latest('y.y') - app.latest(`${label}.y.y`), 'var(--ink)'),
+    figure(middle, y + 54, 'y − ŷ', () => app.latest('y.y') - app.latest(`${label}.y.y`), 'var(--ink)'),
     s('path', {
       d: listens
         ? `M${middle} ${y - 16}V${UPPER + 38}H${COPY - 4}`
@@ -177,12 +177,9 @@ function picture(app) {
       'stroke-width': listens ? 2.4 : 1.3,
       'marker-end': 'url(#copy-tip)',
     }),
-    text(
-      (middle + COPY) / 2 + 4,
-      UPPER + 28,
-      listens ? t('page.lesson.picture.corrects') : t('page.lesson.picture.alone'),
-      {style: `fill:${listens ? colour : 'var(--soft)'}`},
-    ),
+    text(middle, UPPER + 24, listens ? t('page.lesson.picture.corrects') : t('page.lesson.picture.alone'), {
+      style: `fill:${listens ? colour : 'var(--soft)'}`,
+    }),
   );
   return {svg, updates};
 }

@@ -4,6 +4,7 @@ import pytest
 
 from tests.browser.live_helpers import APP, eventually, until
 from tests.browser.test_accessibility import AXE, serious
+from thetascope import library
 
 LESSON = "/?lesson=what-you-cannot-see"
 
@@ -131,6 +132,33 @@ def test_a_lesson_is_chinese_and_fits_a_phone(page):
     assert lesson.evaluate("document.documentElement.scrollWidth") == 390
     lesson.evaluate(AXE)
     assert serious(lesson) == []
+
+
+#: Labels of strips and words of pictures that do not fit, and symbols of the card without an explanation.
+FLAWS = """[
+  ...[...document.querySelectorAll('.strip-label small')].filter(
+    (one) => one.scrollHeight > one.clientHeight + 2 || one.scrollWidth > one.clientWidth + 1),
+  ...[...document.querySelectorAll('.lesson-picture text')].filter((one) => {
+    const [box, room] = [one, one.ownerSVGElement].map((part) => part.getBoundingClientRect());
+    return box.left < room.left || box.right > room.right || box.top < room.top - 1;
+  }),
+  ...document.querySelectorAll('[data-symbol]:not(.explained)'),
+].map((one) => one.textContent)"""
+
+
+def test_every_lesson_fits_a_phone_and_explains_its_symbols(page):
+    """At 390 pixels nothing is cut or wider than the screen; a symbol of the card has its sentence on focus."""
+    lesson = page(f"{LESSON}&step=1", width=390, height=844)
+    for name in library.course():
+        lesson.goto(lesson.url.split("?")[0] + f"?lesson={name}&step=1")
+        entered(lesson, 1)
+        eventually(lambda: lesson.evaluate(FLAWS) == [], f"nothing is cut in {name}: {lesson.evaluate(FLAWS)}")
+        assert lesson.evaluate("document.documentElement.scrollWidth") == 390, name
+    lesson.goto(lesson.url.split("?")[0] + f"{LESSON[1:]}&step=3")
+    entered(lesson, 3)
+    lesson.focus(".say [data-symbol=ρ]")
+    eventually(lambda: "corrects itself" in lesson.inner_text("#explanation"), "the sentence about the gain is shown")
+    assert lesson.watch.errors == []
 
 
 def test_everything_opens_in_live(page):
