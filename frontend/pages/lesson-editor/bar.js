@@ -7,7 +7,7 @@ import {named, t} from '../../i18n/words.js';
 import {emptyLesson, keepDraft, slug} from './draft.js';
 
 /** @import * as service from '../../types/service.js' */
-/** @import {Draft} from './draft.js' */
+/** @import {DraftLesson} from './draft.js' */
 /** @import {Editor} from './lesson-editor.js' */
 
 /** @param {Editor} editor */
@@ -78,8 +78,10 @@ async function upload(editor, event) {
     const raw = new Blob([await file.text()], {
       type: file.name.endsWith('.json') ? 'application/json' : 'application/yaml',
     });
-    const saved = /** @type {service.MyLesson} */ (await request('POST', '/api/my-lessons', {raw}));
-    editor.lesson = /** @type {Draft} */ (saved.lesson);
+    const saved = /** @type {Omit<service.MyLesson, 'lesson'> & {lesson: DraftLesson}} */ (
+      await request('POST', '/api/my-lessons', {raw})
+    );
+    editor.lesson = saved.lesson;
     editor.savedId = saved.id;
     editor.place = 0;
     editor.played = null;

@@ -2,14 +2,37 @@
 
 /** @import * as service from '../../types/service.js' */
 
+/** @typedef {NonNullable<service.CourseStepInput['measures']>[string]} Measure */
+/** @typedef {service.ConditionInput} Condition */
+/** @typedef {Omit<service.AnswerInput, 'text'> & {text: service.Words}} DraftAnswer */
+/** @typedef {Omit<service.SawInput, 'text'> & {text: service.Words}} DraftSaw */
+
 /**
- * A lesson while it is made: everything may still be missing.
- * @typedef {{[name: string]: any}} Draft
+ * What the page writes in a step: its words may be empty, in one language or in both.
+ * @typedef {object} Written
+ * @property {service.Words} title
+ * @property {service.Words[]} say
+ * @property {service.Words | null} [short]
+ * @property {service.StepViewInput & {strips: string[]}} show
+ * @property {service.Words | null} [ask]
+ * @property {DraftAnswer[]} [answers]
+ * @property {DraftSaw[]} [saw]
+ * @property {service.Words | null} [look]
+ * @property {service.Words[]} [why]
+ * @property {service.Words | null} [cause]
+ */
+
+/** @typedef {Omit<service.CourseStepInput, keyof Written> & Written} DraftStep */
+
+/**
+ * A lesson while it is made. Lists and words may still be empty, which the service refuses.
+ * @typedef {Omit<service.CourseLessonInput, 'title' | 'outcome' | 'steps'>
+ *   & {title: service.Words, outcome: service.Words, steps: DraftStep[]}} DraftLesson
  */
 
 const KEY = 'thetascope.lesson-draft';
 
-/** @returns {Draft | null} */
+/** @returns {DraftLesson | null} */
 export function keptDraft() {
   try {
     return JSON.parse(localStorage.getItem(KEY) ?? 'null');
@@ -18,7 +41,7 @@ export function keptDraft() {
   }
 }
 
-/** @param {Draft} draft */
+/** @param {DraftLesson} draft */
 export function keepDraft(draft) {
   try {
     localStorage.setItem(KEY, JSON.stringify(draft));
@@ -35,7 +58,7 @@ export const slug = (title) =>
     .replace(/^-+|-+$/g, '')
     .slice(0, 48) || `lesson-${Date.now().toString(36)}`;
 
-/** A lesson with one step and no experiment yet. @param {string} title @returns {Draft} */
+/** A lesson with one step and no experiment yet. @param {string} title @returns {DraftLesson} */
 export const emptyLesson = (title) => ({
   id: '',
   minutes: 10,
@@ -45,7 +68,13 @@ export const emptyLesson = (title) => ({
   steps: [],
 });
 
-/** A step of a stretch of a recording. @param {string} experiment @param {number} from @param {number} until */
+/**
+ * A step of a stretch of a recording.
+ * @param {string} experiment
+ * @param {number} from
+ * @param {number} until
+ * @returns {DraftStep}
+ */
 export const newStep = (experiment, from, until) => ({
   title: {en: '', zh: ''},
   say: [{en: '', zh: ''}],
@@ -61,41 +90,71 @@ export const newStep = (experiment, from, until) => ({
 });
 
 /**
+ * The languages in which something is written; null: none.
+ * @param {service.Words | null | undefined} words
+ * @returns {service.WordsInput | null}
+ */
+function written(words) {
+  const kept = Object.fromEntries(Object.entries(words ?? {}).filter(([, text]) => String(text).trim()));
+  return Object.keys(kept).length ? kept : null;
+}
+
+/** @param {service.Words[] | undefined} paragraphs */
+const allWritten = (paragraphs) => (paragraphs ?? []).flatMap((one) => written(one) ?? []);
+
+/**
+ * A step as it can be saved.
+ * @param {DraftStep} step
+ * @param {service.WordsInput} untitled
+ * @returns {service.CourseStepInput}
+ */
+function finishedStep(step, untitled) {
+  const say = allWritten(step.say);
+  /** @type {service.CourseStepInput} */
+  const clean = {
+    ...step,
+    title: written(step.title) ?? untitled,
+    say: say.length ? say : [{en: '…'}],
+    ask: written(step.ask),
+    short: written(step.short),
+    look: written(step.look),
+    cause: written(step.cause),
+    why: allWritten(step.why),
+    answers: (step.answers ?? []).map((one) => ({...one, text: written(one.text) ?? {en: '…'}})),
+    saw: (step.saw ?? []).filter((one) => written(one.text)),
+  };
+  const keys = /** @type {(keyof service.CourseStepInput)[]} */ (Object.keys(clean));
+  for (const key of keys) if (clean[key] === null || clean[key] === undefined) put(clean, key, undefined);
+  return clean;
+}
+
+/**
  * The lesson as it can be saved: without empty words, and with a step's title where none was written.
- * @param {Draft} draft
+ * @param {DraftLesson} draft
  * @param {string} untitled
- * @returns {service.CourseLesson}
+ * @returns {service.CourseLessonInput}
  */
 export function finished(draft, untitled) {
-  const words = (/** @type {any} */ one, /** @type {string} */ instead = '') => {
-    const kept = Object.fromEntries(Object.entries(one ?? {}).filter(([, text]) => String(text).trim()));
-    return Object.keys(kept).length ? kept : instead ? {en: instead} : null;
+  const title = written(draft.title) ?? {en: untitled};
+  return {
+    ...draft,
+    id: draft.id || slug(draft.title.en || ''),
+    number: 0,
+    title,
+    outcome: written(draft.outcome) ?? title,
+    steps: draft.steps.map((step) => finishedStep(step, {en: untitled})),
   };
-  const steps = draft.steps.map((/** @type {Draft} */ step) => {
-    const say = (step.say ?? []).map((/** @type {any} */ one) => words(one)).filter(Boolean);
-    const clean = {
-      ...step,
-      title: words(step.title, untitled),
-      say: say.length ? say : [{en: '…'}],
-      ask: words(step.ask),
-      short: words(step.short),
-      look: words(step.look),
-      cause: words(step.cause),
-      why: (step.why ?? []).map((/** @type {any} */ one) => words(one)).filter(Boolean),
-      answers: (step.answers ?? []).map((/** @type {any} */ one) => ({...one, text: words(one.text, '…')})),
-      saw: (step.saw ?? []).filter((/** @type {any} */ one) => words(one.text)),
-    };
-    return Object.fromEntries(Object.entries(clean).filter(([, value]) => value !== null && value !== undefined));
-  });
-  const title = words(draft.title, untitled) ?? {en: untitled};
-  return /** @type {service.CourseLesson} */ (
-    /** @type {unknown} */ ({
-      ...draft,
-      id: draft.id || slug(draft.title.en || ''),
-      number: 0,
-      title,
-      outcome: words(draft.outcome) ?? title,
-      steps,
-    })
-  );
+}
+
+/**
+ * Set a field, or leave it out where nothing was chosen.
+ * @template {object} T
+ * @template {keyof T} K
+ * @param {T} target
+ * @param {K} key
+ * @param {T[K] | undefined} value
+ */
+export function put(target, key, value) {
+  if (value === undefined) delete target[key];
+  else target[key] = value;
 }

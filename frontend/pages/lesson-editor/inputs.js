@@ -3,7 +3,7 @@
 import {h} from '../../common/dom.js';
 import {t} from '../../i18n/words.js';
 
-/** @import {Draft} from './draft.js' */
+/** @import * as service from '../../types/service.js' */
 
 /** @typedef {{language: 'en' | 'zh', changed: () => void, rebuild: () => void}} Form */
 
@@ -17,16 +17,17 @@ export const row = (name, ...controls) =>
 
 /**
  * Words in the language that is being written; those of the other one are shown where there are none yet.
+ * @template {PropertyKey} K
  * @param {Form} form
- * @param {Draft} target
- * @param {string | number} key
+ * @param {{[key in K]?: service.Words | null}} target   what has the words, under `key`
+ * @param {K} key
  * @param {string} name
  * @param {boolean} [long]
  */
 export function words(form, target, key, name, long = false) {
   const {language} = form;
-  target[key] ??= {en: '', zh: ''};
-  const other = target[key][language === 'en' ? 'zh' : 'en'] ?? '';
+  const now = () => (target[key] ??= {en: '', zh: ''});
+  const other = now()[language === 'en' ? 'zh' : 'en'] ?? '';
   /** @type {HTMLInputElement | HTMLTextAreaElement} */
   const field = h(long ? 'textarea' : 'input', {
     ...(long ? {rows: 2} : {type: 'text'}),
@@ -35,11 +36,11 @@ export function words(form, target, key, name, long = false) {
     maxlength: 2000,
     lang: language,
     oninput: () => {
-      target[key] = {...target[key], [language]: field.value};
+      target[key] = {...now(), [language]: field.value};
       form.changed();
     },
   });
-  field.value = target[key][language] ?? '';
+  field.value = now()[language] ?? '';
   return field;
 }
 
@@ -62,21 +63,25 @@ export function numeral(name, value, change) {
 }
 
 /**
+ * @template {string} V
  * @param {string} name
- * @param {readonly (readonly [string, string])[]} options   value and words
- * @param {string} value
- * @param {(value: string) => void} change
+ * @param {readonly (readonly [V, string])[]} options   value and words
+ * @param {NoInfer<V>} value
+ * @param {(value: V) => void} change
  */
 export function choice(name, options, value, change) {
   /** @type {HTMLSelectElement} */
   const field = h(
     'select',
-    {'aria-label': name, onchange: () => change(field.value)},
+    {'aria-label': name, onchange: () => change(/** @type {V} */ (field.value))},
     options.map(([one, shown]) => h('option', {value: one}, shown)),
   );
   field.value = value;
   return field;
 }
+
+/** Options that are shown by their own names. @param {readonly string[]} names @returns {[string, string][]} */
+export const byName = (names) => names.map((one) => [one, one]);
 
 /** @param {string} name @param {() => void} act */
 export const removal = (name, act) =>

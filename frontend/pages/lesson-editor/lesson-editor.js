@@ -13,14 +13,14 @@ import {drawRecording} from './recording.js';
 import {drawStep} from './step-form.js';
 
 /** @import * as service from '../../types/service.js' */
-/** @import {Draft} from './draft.js' */
+/** @import {DraftLesson} from './draft.js' */
 
 const PAUSE = 700; // ms after the last change before the step is played
 const asked = new URLSearchParams(location.search);
 
 export class Editor {
   constructor() {
-    /** @type {Draft} */
+    /** @type {DraftLesson} */
     this.lesson = emptyLesson('');
     this.place = 0;
     /** @type {'en' | 'zh'} */
@@ -42,8 +42,15 @@ export class Editor {
     this.preview = new Preview(this.right);
   }
 
+  /** @returns {import('./draft.js').DraftStep | undefined} */
   get step() {
     return this.lesson.steps[this.place];
+  }
+
+  /** What was recorded for the step. @returns {service.ExperimentInput | undefined} */
+  get spec() {
+    const name = this.step?.start?.experiment;
+    return name === undefined ? undefined : this.lesson.experiments[name];
   }
 
   /** Load what the address asks for, or go on with the draft of this browser. */
@@ -64,7 +71,7 @@ export class Editor {
 
   /** @param {string} id   of a saved lesson; one of the library is copied */
   async open(id) {
-    const lesson = /** @type {Draft} */ (await get(`/api/course/${encodeURIComponent(id)}`));
+    const lesson = /** @type {DraftLesson} */ (await get(`/api/course/${encodeURIComponent(id)}`));
     const own = /** @type {service.MyLessonList} */ (await get('/api/my-lessons')).lessons.some(
       (one) => one.id === id && one.mine,
     );
@@ -75,46 +82,41 @@ export class Editor {
   /**
    * A session of Live becomes a recording of the lesson, and its last half minute a step.
    * @param {string} session
-   * @param {Draft | null} kept
+   * @param {DraftLesson | null} kept
    */
   async record(session, kept) {
     const state = /** @type {service.SessionState} */ (await get(`/api/sessions/${encodeURIComponent(session)}`));
-    const spec = /** @type {Draft} */ (/** @type {unknown} */ (state.spec));
-    this.lesson = kept ?? emptyLesson(named(/** @type {any} */ (spec.title)) || '');
+    const {spec} = state;
+    this.lesson = kept ?? emptyLesson(named(spec.title));
     const names = Object.keys(this.lesson.experiments);
     const name = `recording-${names.length + 1}`;
     const until = Math.max(1, Math.floor(state.t));
     this.lesson.experiments[name] = {...spec, horizon: Math.max(spec.horizon, until)};
-    const happened = [...(spec.faults ?? []).map((/** @type {Draft} */ one) => one.onset ?? 0)].filter(
-      (one) => one < until,
-    );
+    const happened = spec.faults.map((one) => one.onset).filter((one) => one < until);
     const first = happened.length ? Math.max(0, Math.floor(Math.max(...happened)) - 5) : Math.max(0, until - 30);
-    this.lesson.steps.push(newStep(name, first, until));
+    const step = newStep(name, first, until);
+    this.lesson.steps.push(step);
     this.place = this.lesson.steps.length - 1;
     const shown = this.known().strips;
-    this.step.show.strips = [...shown.filter((one) => one.startsWith('residual.')), ...shown].slice(0, 1);
+    step.show.strips = [...shown.filter((one) => one.startsWith('residual.')), ...shown].slice(0, 1);
   }
 
   /** What the session of the step has: columns, channels, observers. */
   known() {
-    const spec = this.lesson.experiments[this.step?.start?.experiment] ?? {};
-    const plant = typeof spec.plant === 'object' ? spec.plant : null;
-    const named = (/** @type {Draft[]} */ all) => (all ?? []).map(({name}) => String(name));
+    const {spec} = this;
+    const plant = typeof spec?.plant === 'object' ? spec.plant : null;
+    const named = (/** @type {{name: string}[] | undefined} */ all) => (all ?? []).map(({name}) => name);
     const columns = this.played?.columns ?? [];
-    const labels = (spec.observers ?? []).map((/** @type {Draft} */ one) => String(one.label));
+    const observers = (spec?.observers ?? []).map(({label, gains = {}}) => ({label, gains: Object.keys(gains)}));
     const channels = plant ? named(plant.channels) : columnsOf(columns, 'theta.');
     const outputs = plant ? named(plant.outputs) : columnsOf(columns, 'y.');
     const states = plant ? named(plant.states) : columnsOf(columns, 'x.');
     const strips = [
-      ...(labels.length ? outputs.map((one) => `residual.${one}`) : []),
+      ...(observers.length ? outputs.map((one) => `residual.${one}`) : []),
       ...states.map((one) => `x.${one}`),
       ...channels.map((one) => `theta.${one}`),
       ...(plant ? named(plant.inputs) : columnsOf(columns, 'u.')).map((one) => `u.${one}`),
     ];
-    const observers = (spec.observers ?? []).map((/** @type {Draft} */ one) => ({
-      label: String(one.label),
-      gains: Object.keys(one.gains ?? {}),
-    }));
     const measurable = columns.filter((one) => one !== 't');
     return {
       columns: this.step?.sketch ? [...measurable, 'sketch'] : measurable,
@@ -159,16 +161,15 @@ export class Editor {
     await this.recordWhole(lesson);
   }
 
-  /** The whole recording, for its strip. @param {service.CourseLesson} lesson */
+  /** The whole recording, for its strip. @param {service.CourseLessonInput} lesson */
   async recordWhole(lesson) {
-    const {step} = this;
+    const {spec, step} = this;
     const name = step?.start?.experiment;
-    const spec = this.lesson.experiments[name];
     const strip = step?.show?.strips?.[0];
     const key = `${name} ${strip}`;
     if (!spec || !strip || this.recordings.has(key)) return;
-    const ends = this.lesson.steps.filter((/** @type {Draft} */ one) => one.start?.experiment === name);
-    const last = Math.max(...ends.map((/** @type {Draft} */ one) => (one.start.t ?? 0) + (one.run?.seconds ?? 0)), 1);
+    const same = this.lesson.steps.filter((one) => one.start?.experiment === name);
+    const last = Math.max(...same.map(({start, run}) => (start?.t ?? 0) + (run?.seconds ?? 0)), 1);
     const title = lesson.title;
     const whole = {title, say: [title], start: {experiment: name, t: 0}, run: {seconds: last}, show: {strips: [strip]}};
     try {
@@ -258,7 +259,7 @@ export class Editor {
       h(
         'ol',
         {},
-        steps.map((/** @type {Draft} */ step, /** @type {number} */ place) => {
+        steps.map((step, place) => {
           const title = named(step.title) || t('page.editor.untitled');
           return h(
             'li',
@@ -290,6 +291,7 @@ export class Editor {
 
   /** A step that goes on where this one ends, in the same recording. */
   add() {
+    if (!this.step) return;
     const {start, run, show} = this.step;
     const from = (start?.t ?? 0) + (run?.seconds ?? 0);
     const step = newStep(

@@ -1,13 +1,26 @@
 // What decides: numbers that are measured in the student's session, and conditions on them. All is picked from lists.
 
 import {h} from '../../common/dom.js';
-import {adding, choice, numeral, removal} from './inputs.js';
+import {put} from './draft.js';
+import {adding, byName, choice, numeral, removal} from './inputs.js';
 import {t} from '../../i18n/words.js';
 
-/** @import {Draft} from './draft.js' */
+/** @import * as service from '../../types/service.js' */
+/** @import {Condition, DraftStep, Measure} from './draft.js' */
 /** @import {Form} from './inputs.js' */
 
-/** What can be measured. @returns {[string, string][]} */
+/** @typedef {Exclude<Measure['kind'], 'level' | 'crosses'>} PlainKind */
+/** @typedef {service.LevelInput['take'] | service.CrossesInput['side'] | PlainKind} Kind */
+
+/**
+ * The fields of all kinds of measures.
+ * @typedef {Partial<
+ *   Omit<service.LevelInput, 'kind'> & Omit<service.CrossesInput, 'kind'> & Omit<service.CountsInput, 'kind'> &
+ *   Omit<service.SettlesInput, 'kind'> & Omit<service.FoundInput, 'kind'> & Omit<service.GainNowInput, 'kind'>
+ * >} Fields
+ */
+
+/** What can be measured. @returns {[Kind, string][]} */
 const kinds = () => [
   ['last', t('page.editor.take.last')],
   ['mean', t('page.editor.take.mean')],
@@ -24,31 +37,43 @@ const kinds = () => [
   ['gain', t('page.editor.kind.gain')],
 ];
 
-/** @param {Draft} measure */
+/** @param {Measure} measure @returns {Kind} */
 const kindOf = (measure) =>
   measure.kind === 'level' ? measure.take : measure.kind === 'crosses' ? measure.side : measure.kind;
 
 /**
  * A measure of a kind, with as much of the one before as fits.
- * @param {string} kind
- * @param {Draft} before
+ * @param {Kind} kind
+ * @param {Fields} before
  * @param {Known} known
- * @returns {Draft}
+ * @returns {Measure}
  */
 function measureOf(kind, before, {columns, channels, observers}) {
   const column = before.column ?? columns[0] ?? 't';
-  const minus = Object.fromEntries(
-    ['minus', 'start', 'end'].filter((key) => before[key] !== undefined).map((key) => [key, before[key]]),
-  );
+  const {minus} = before;
+  /** @type {Pick<Fields, 'minus' | 'start' | 'end'>} */
+  const window = {};
+  for (const key of /** @type {const} */ (['minus', 'start', 'end'])) put(window, key, before[key]);
   const level = typeof before.level === 'number' ? before.level : 0;
-  if (['last', 'mean', 'max', 'min', 'std'].includes(kind)) return {kind: 'level', take: kind, column, ...minus};
-  if (['above', 'below', 'beyond'].includes(kind))
-    return {kind: 'crosses', side: kind, column, ...(before.minus ? {minus: before.minus} : {}), level};
-  if (kind === 'counts') return {kind, column, ...minus, level};
-  if (kind === 'settles') return {kind, column, to: before.to ?? columns[1] ?? column, within: before.within ?? 1};
-  if (kind === 'found') return {kind, ...(channels.length ? {channel: channels[0]} : {})};
-  if (kind === 'gain') return {kind, observer: observers[0]?.label ?? '', gain: observers[0]?.gains[0] ?? ''};
-  return {kind, observer: observers[0]?.label ?? ''};
+  const observer = observers[0]?.label ?? '';
+  switch (kind) {
+    case 'above':
+    case 'below':
+    case 'beyond':
+      return {kind: 'crosses', side: kind, column, ...(minus ? {minus} : {}), level};
+    case 'counts':
+      return {kind, column, ...window, level};
+    case 'settles':
+      return {kind, column, to: before.to ?? columns[1] ?? column, within: before.within ?? 1};
+    case 'found':
+      return {kind, ...(channels.length ? {channel: channels[0]} : {})};
+    case 'gain':
+      return {kind, observer, gain: observers[0]?.gains[0] ?? ''};
+    case 'diverged':
+      return {kind, observer};
+    default:
+      return {kind: 'level', take: kind, column, ...window};
+  }
 }
 
 /** @typedef {{columns: string[], channels: string[], observers: {label: string, gains: string[]}[]}} Known */
@@ -56,22 +81,22 @@ function measureOf(kind, before, {columns, channels, observers}) {
 /**
  * The numbers that the step measures.
  * @param {Form} form
- * @param {Draft} step
+ * @param {DraftStep} step
  * @param {Known} known
  */
 export function measureRows(form, step, known) {
-  step.measures ??= {};
-  /** @param {string} name @param {string} kind */
+  const measures = (step.measures ??= {});
+  /** @param {string} name @param {Kind} kind */
   const set = (name, kind) => {
-    step.measures[name] = measureOf(kind, step.measures[name] ?? {}, known);
+    measures[name] = measureOf(kind, measures[name] ?? {}, known);
     form.changed();
     form.rebuild();
   };
   const next = () => {
-    for (let n = 1; ; n += 1) if (!step.measures[`m${n}`]) return `m${n}`;
+    for (let n = 1; ; n += 1) if (!measures[`m${n}`]) return `m${n}`;
   };
   return [
-    Object.entries(step.measures).map(([name, measure]) =>
+    Object.entries(measures).map(([name, measure]) =>
       h(
         'div',
         {class: 'measure'},
@@ -80,62 +105,62 @@ export function measureRows(form, step, known) {
         details(form, measure, known),
         h('output', {'data-measure': name}),
         removal(name, () => {
-          delete step.measures[name];
+          delete measures[name];
           form.changed();
           form.rebuild();
         }),
       ),
     ),
-    Object.keys(step.measures).length < 8 && adding(t('page.editor.add.measure'), () => set(next(), 'last')),
+    Object.keys(measures).length < 8 && adding(t('page.editor.add.measure'), () => set(next(), 'last')),
   ];
 }
 
 /**
  * Of what, and against what.
  * @param {Form} form
- * @param {Draft} measure
+ * @param {Measure} measure
  * @param {Known} known
  */
 function details(form, measure, {columns, channels, observers}) {
-  const kept = [...new Set([...columns, measure.column, measure.minus].filter(Boolean))];
-  /** @param {string} key @param {unknown} value */
+  /** @type {Fields} */
+  const fields = measure;
+  const kept = [...new Set([...columns, fields.column, fields.minus].flatMap((one) => one || []))];
+  /**
+   * @template {keyof Fields} K
+   * @param {K} key
+   * @param {Fields[K]} value
+   */
   const set = (key, value) => {
-    if (value === '' || value === null) delete measure[key];
-    else measure[key] = value;
+    put(fields, key, value);
     form.changed();
   };
-  /** @param {string} key @param {string} name @param {boolean} none */
+  /** @param {'column' | 'minus' | 'to'} key @param {string} name @param {boolean} none */
   const column = (key, name, none) =>
     choice(
       name,
-      [
-        ...(none ? /** @type {[string, string][]} */ ([['', '0']]) : []),
-        ...kept.map((one) => /** @type {[string, string]} */ ([one, one])),
-      ],
-      String(measure[key] ?? ''),
-      (value) => set(key, value),
+      [...(none ? /** @type {[string, string][]} */ ([['', '0']]) : []), ...byName(kept)],
+      String(fields[key] ?? ''),
+      (value) => set(key, value || undefined),
     );
-  /** @param {string} key @param {string} name */
-  const number = (key, name) => numeral(name, measure[key], (value) => set(key, value));
+  /** @param {'start' | 'end' | 'within' | 'level'} key @param {string} name */
+  const number = (key, name) => {
+    const value = fields[key];
+    return numeral(name, typeof value === 'number' ? value : null, (next) => set(key, next ?? undefined));
+  };
   if (measure.kind === 'found')
     return choice(
       t('page.editor.channel'),
-      [['', t('page.editor.any-channel')], ...channels.map((one) => /** @type {[string, string]} */ ([one, one]))],
+      [['', t('page.editor.any-channel')], ...byName(channels)],
       measure.channel ?? '',
-      (value) => set('channel', value),
+      (value) => set('channel', value || undefined),
     );
   if (measure.kind === 'diverged' || measure.kind === 'gain') {
-    const labels = observers.map(({label}) => /** @type {[string, string]} */ ([label, label]));
+    const labels = byName(observers.map(({label}) => label));
     const gains = observers.find(({label}) => label === measure.observer)?.gains ?? [];
     return [
       choice(t('page.editor.observer'), labels, measure.observer, (value) => set('observer', value)),
       measure.kind === 'gain' &&
-        choice(
-          t('page.editor.gain'),
-          gains.map((one) => /** @type {[string, string]} */ ([one, one])),
-          measure.gain,
-          (value) => set('gain', value),
-        ),
+        choice(t('page.editor.gain'), byName(gains), measure.gain, (value) => set('gain', value)),
     ];
   }
   const first = column('column', t('page.editor.column'), false);
@@ -168,15 +193,12 @@ function details(form, measure, {columns, channels, observers}) {
 /**
  * Conditions under which something is right.
  * @param {Form} form
- * @param {Draft} step
- * @param {Draft} owner      whose conditions they are, under `key`
- * @param {string} key
+ * @param {DraftStep} step
+ * @param {Condition[]} all
  */
-export function conditionRows(form, step, owner, key) {
+export function conditionRows(form, step, all) {
   const names = Object.keys(step.measures ?? {});
-  /** @type {Draft[]} */
-  const all = (owner[key] ??= []);
-  /** @param {number} at @param {Draft} value @param {boolean} [rebuild] */
+  /** @param {number} at @param {Condition} value @param {boolean} [rebuild] */
   const set = (at, value, rebuild = false) => {
     all[at] = value;
     form.changed();
@@ -184,6 +206,7 @@ export function conditionRows(form, step, owner, key) {
   };
   return [
     all.map((one, at) => {
+      /** @type {Comparison} */
       const how = one.none
         ? 'none'
         : one.at_least !== undefined && one.at_most !== undefined
@@ -191,7 +214,7 @@ export function conditionRows(form, step, owner, key) {
           : one.at_most !== undefined
             ? 'at_most'
             : 'at_least';
-      /** @param {string} bound */
+      /** @param {'at_least' | 'at_most'} bound */
       const bound = (bound) =>
         numeral(t('page.editor.limit'), one[bound], (value) => set(at, {...all[at], [bound]: value ?? 0}));
       return h(
@@ -234,7 +257,9 @@ export function conditionRows(form, step, owner, key) {
   ];
 }
 
-/** @param {Draft} before @param {string} how @returns {Draft} */
+/** @typedef {'none' | 'between' | 'at_least' | 'at_most'} Comparison */
+
+/** @param {Condition} before @param {Comparison} how @returns {Condition} */
 function conditionOf({measure, at_least: least, at_most: most}, how) {
   if (how === 'none') return {measure, none: true};
   if (how === 'between') return {measure, at_least: least ?? most ?? 0, at_most: most ?? least ?? 1};

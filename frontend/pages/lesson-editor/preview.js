@@ -17,7 +17,7 @@ export class Preview {
     /** @type {Shown} */
     this.shown = 'before';
     this.card = h('section', {class: 'card lesson-card', 'aria-labelledby': 'lesson-title'});
-    /** @type {service.CourseLesson | null} */
+    /** @type {service.CourseLessonInput | null} */
     this.plan = null;
     this.place = 0;
     /** @type {service.Played | null} */
@@ -26,7 +26,7 @@ export class Preview {
   }
 
   /**
-   * @param {service.CourseLesson} plan
+   * @param {service.CourseLessonInput} plan
    * @param {number} place
    * @param {service.Played | null} played   null: it is being computed
    * @param {string} problem
@@ -96,8 +96,8 @@ export class Preview {
 
   /**
    * What the card of a lesson asks its lesson for.
-   * @param {service.CourseLesson} plan
-   * @param {service.CourseStep} step
+   * @param {service.CourseLessonInput} plan
+   * @param {service.CourseStepInput} step
    * @param {{judged: service.Judged, chosen: number | null} | null} deed
    */
   seat(plan, step, deed) {

@@ -2,11 +2,11 @@
 
 import {fill, h} from '../../common/dom.js';
 import {LEFT, playedStrips, RIGHT} from '../../widgets/played-strips.js';
-import {choice, numeral} from './inputs.js';
+import {byName, choice, numeral} from './inputs.js';
 import {t} from '../../i18n/words.js';
 
 /** @import * as service from '../../types/service.js' */
-/** @import {Draft} from './draft.js' */
+/** @import {DraftLesson, DraftStep} from './draft.js' */
 
 const WIDE = 320; // px of the recording's strip
 
@@ -14,42 +14,47 @@ const WIDE = 320; // px of the recording's strip
 
 /**
  * What was done in a recording, in its order.
- * @param {Draft | undefined} spec
+ * @param {service.ExperimentInput | undefined} spec
  * @returns {Happening[]}
  */
 export function happenings(spec) {
   /** @type {Happening[]} */
   const all = [{t: 0, words: t('page.editor.event.start')}];
   for (const fault of spec?.faults ?? []) {
-    const name = fault.channel ?? fault.output ?? '';
+    const name = 'channel' in fault ? fault.channel : fault.output;
     all.push({t: fault.onset ?? 0, words: t('page.editor.event.fault', {name})});
     if (fault.end !== null && fault.end !== undefined)
       all.push({t: fault.end, words: t('page.editor.event.end', {name})});
   }
-  for (const {at, command = {}} of (spec?.commands ?? []).map(timed))
-    all.push({t: at, words: t('page.editor.event.command', {what: said(command)})});
+  for (const command of spec?.commands ?? [])
+    all.push({t: command.at, words: t('page.editor.event.command', {what: said(command)})});
   return all.sort((a, b) => a.t - b.t).slice(0, 40);
 }
 
-/** @param {Draft} one */
-const timed = (one) => ({at: one.at ?? 0, command: one});
-
-/** @param {Draft} command */
-const said = (command) =>
-  [
-    command.observer?.label ?? command.observer,
-    command.name ?? command.gain ?? command.output ?? command.label,
-    command.value,
-  ]
-    .filter((part) => part !== undefined && part !== null)
-    .join(' ') || String(command.type ?? '');
+/** What a command concerns. @param {NonNullable<service.ExperimentInput['commands']>[number]} command */
+function said(command) {
+  switch (command.command) {
+    case 'set-gain':
+      return `${command.observer} ${command.gain} ${command.value}`;
+    case 'set-signal':
+      return command.name;
+    case 'set-noise':
+      return command.output;
+    case 'add-observer':
+      return command.observer.label;
+    case 'remove-observer':
+      return command.label;
+    default:
+      return command.command;
+  }
+}
 
 /**
  * Draw the recording of a step: its strip with the stretch, what was done, the times of the stretch.
  * @param {HTMLElement} root
  * @param {object} options
- * @param {Draft} options.lesson
- * @param {Draft | undefined} options.step
+ * @param {DraftLesson} options.lesson
+ * @param {DraftStep | undefined} options.step
  * @param {service.Played | null} options.whole     the whole recording
  * @param {() => void} options.changed
  * @param {() => void} options.rebuild
@@ -81,16 +86,11 @@ export function drawRecording(root, {lesson, step, whole, changed, rebuild}) {
     head,
     h('p', {class: 'soft'}, t('page.editor.record.hint')),
     names.length > 1 &&
-      choice(
-        t('page.editor.recording'),
-        names.map((one) => /** @type {[string, string]} */ ([one, one])),
-        start.experiment,
-        (value) => {
-          start.experiment = value;
-          changed();
-          rebuild();
-        },
-      ),
+      choice(t('page.editor.recording'), byName(names), start.experiment, (value) => {
+        start.experiment = value;
+        changed();
+        rebuild();
+      }),
     whole && strip && stretchOn(strip, whole, from, until, set, rebuild),
     h(
       'div',
@@ -100,14 +100,14 @@ export function drawRecording(root, {lesson, step, whole, changed, rebuild}) {
         {},
         t('page.editor.from'),
         ' ',
-        numeral(t('page.editor.from'), from, (value) => value !== null && set(value, start.t + run.seconds)),
+        numeral(t('page.editor.from'), from, (value) => value !== null && set(value, (start.t ?? 0) + run.seconds)),
       ),
       h(
         'label',
         {},
         t('page.editor.until'),
         ' ',
-        numeral(t('page.editor.until'), until, (value) => value !== null && set(start.t, value)),
+        numeral(t('page.editor.until'), until, (value) => value !== null && set(start.t ?? 0, value)),
         ' s',
       ),
     ),

@@ -2,18 +2,19 @@
 
 import {fill, h} from '../../common/dom.js';
 import {nameOf} from '../../widgets/played-strips.js';
-import {adding, choice, removal, row, words} from './inputs.js';
+import {adding, byName, choice, removal, row, words} from './inputs.js';
 import {conditionRows, measureRows} from './measures.js';
 import {t} from '../../i18n/words.js';
 
-/** @import {Draft} from './draft.js' */
+/** @import * as service from '../../types/service.js' */
+/** @import {DraftAnswer, DraftSaw, DraftStep} from './draft.js' */
 /** @import {Form} from './inputs.js' */
 /** @import {Known} from './measures.js' */
 
 /**
  * @param {HTMLElement} root
  * @param {Form} form
- * @param {Draft} step
+ * @param {DraftStep} step
  * @param {Known & {strips: string[], sites: string[]}} known
  */
 export function drawStep(root, form, step, known) {
@@ -23,15 +24,14 @@ export function drawStep(root, form, step, known) {
     form.rebuild();
   };
   step.show ??= {strips: []};
+  const why = (step.why ??= []);
   const asks = (step.answers?.length ?? 0) > 0;
   fill(
     root,
     row(t('page.editor.title'), words(form, step, 'title', t('page.editor.title'))),
     row(
       t('page.editor.say'),
-      step.say.map((/** @type {unknown} */ _, /** @type {number} */ at) =>
-        words(form, step.say, at, t('page.editor.say'), true),
-      ),
+      step.say.map((_, at) => words(form, step.say, at, t('page.editor.say'), true)),
       step.say.length < 4 &&
         adding(
           t('page.editor.add.paragraph'),
@@ -43,9 +43,7 @@ export function drawStep(root, form, step, known) {
     row(t('page.editor.measures'), measureRows(form, step, known)),
     row(
       t('page.editor.answers'),
-      (step.answers ?? []).map((/** @type {Draft} */ answer, /** @type {number} */ at) =>
-        answerRow(form, step, answer, at, known),
-      ),
+      (step.answers ?? []).map((answer, at) => answerRow(form, step, answer, at, known)),
       !step.choices?.length &&
         !step.dial &&
         !step.sketch &&
@@ -77,12 +75,17 @@ export function drawStep(root, form, step, known) {
             ),
         ),
     ),
-    (step.choices?.length > 0 || step.dial || step.sketch) &&
-      row(t('page.editor.right-if'), kindWords(step), conditionRows(form, step, step, 'right_if'), truthLine('met')),
+    (step.choices?.length || step.dial || step.sketch) &&
+      row(
+        t('page.editor.right-if'),
+        kindWords(step),
+        conditionRows(form, step, (step.right_if ??= [])),
+        truthLine('met'),
+      ),
     step.sketch &&
       row(
         t('page.editor.sketch'),
-        sketchFields(form, step),
+        sketchFields(form, step, step.sketch),
         adding(
           t('page.editor.without-sketch'),
           change(() => {
@@ -94,20 +97,18 @@ export function drawStep(root, form, step, known) {
     row(t('page.editor.saw'), sawRows(form, step, change)),
     row(
       t('page.editor.why'),
-      (step.why ??= []).map((/** @type {unknown} */ _, /** @type {number} */ at) =>
-        words(form, step.why, at, t('page.editor.why'), true),
-      ),
-      step.why.length < 3 &&
+      why.map((_, at) => words(form, why, at, t('page.editor.why'), true)),
+      why.length < 3 &&
         adding(
           t('page.editor.add.paragraph'),
-          change(() => step.why.push({en: '', zh: ''})),
+          change(() => why.push({en: '', zh: ''})),
         ),
     ),
     row(t('page.editor.if-wrong'), words(form, step, 'look', t('page.editor.if-wrong'), true)),
   );
 }
 
-/** @param {Draft} step */
+/** @param {DraftStep} step */
 const kindWords = (step) =>
   h(
     'p',
@@ -115,7 +116,7 @@ const kindWords = (step) =>
     step.dial ? t('page.editor.of-dial') : step.sketch ? t('page.editor.of-sketch') : t('page.editor.of-choices'),
   );
 
-/** @param {Draft} step @param {string | null} site @returns {Draft} */
+/** @param {DraftStep} step @param {string | null} site @returns {DraftAnswer} */
 function newAnswer(step, site) {
   step.measures ??= {};
   const [name] = Object.keys(step.measures);
@@ -131,8 +132,8 @@ const truthLine = (of) => h('p', {class: 'soft truth-line', 'data-truth': of});
 
 /**
  * @param {Form} form
- * @param {Draft} step
- * @param {Draft} answer
+ * @param {DraftStep} step
+ * @param {DraftAnswer} answer
  * @param {number} at
  * @param {{sites: string[]}} known
  */
@@ -146,17 +147,12 @@ function answerRow(form, step, answer, at, known) {
       h('b', {'aria-hidden': 'true'}, String.fromCharCode(65 + at)),
       words(form, answer, 'text', t('page.editor.answer', {n: at + 1})),
       answer.site &&
-        choice(
-          t('page.editor.place'),
-          known.sites.map((one) => /** @type {[string, string]} */ ([one, one])),
-          answer.site,
-          (site) => {
-            answer.site = site;
-            form.changed();
-          },
-        ),
+        choice(t('page.editor.place'), byName(known.sites), answer.site, (site) => {
+          answer.site = site;
+          form.changed();
+        }),
       removal(String.fromCharCode(65 + at), () => {
-        step.answers.splice(at, 1);
+        step.answers?.splice(at, 1);
         form.changed();
         form.rebuild();
       }),
@@ -165,7 +161,7 @@ function answerRow(form, step, answer, at, known) {
       'div',
       {class: 'right-if'},
       h('span', {class: 'soft'}, t('page.editor.right-if')),
-      conditionRows(form, step, answer, 'right_if'),
+      conditionRows(form, step, answer.right_if),
       Object.keys(step.measures ?? {}).length === 0 && h('span', {class: 'soft'}, t('page.editor.measure-first')),
     ),
     truthLine(String(at)),
@@ -175,13 +171,14 @@ function answerRow(form, step, answer, at, known) {
 /**
  * The picture, and the strips.
  * @param {Form} form
- * @param {Draft} step
+ * @param {DraftStep} step
  * @param {{strips: string[]}} known
  */
 function shows(form, step, {strips}) {
   const {show} = step;
   show.strips ??= [];
-  /** @param {string} name @param {string} key @param {boolean} usual */
+  const picture = show.picture ?? 'plant';
+  /** @param {string} name @param {'truth' | 'diagnosis'} key @param {boolean} usual */
   const tick = (name, key, usual) =>
     h(
       'label',
@@ -202,11 +199,9 @@ function shows(form, step, {strips}) {
       [
         ['plant', t('page.editor.picture.plant')],
         ['none', t('page.editor.picture.none')],
-        ...(['copy', 'hysteresis'].includes(show.picture)
-          ? /** @type {[string, string][]} */ ([[show.picture, show.picture]])
-          : []),
+        ...(picture === 'copy' || picture === 'hysteresis' ? [/** @type {const} */ ([picture, picture])] : []),
       ],
-      show.picture ?? 'plant',
+      picture,
       (value) => {
         show.picture = value;
         form.changed();
@@ -231,9 +226,7 @@ function shows(form, step, {strips}) {
             checked: show.strips.includes(name),
             onchange: (/** @type {Event} */ event) => {
               const {checked} = /** @type {HTMLInputElement} */ (event.target);
-              show.strips = checked
-                ? [...show.strips, name].slice(-4)
-                : show.strips.filter((/** @type {string} */ one) => one !== name);
+              show.strips = checked ? [...show.strips, name].slice(-4) : show.strips.filter((one) => one !== name);
               form.changed();
               form.rebuild();
             },
@@ -245,15 +238,19 @@ function shows(form, step, {strips}) {
   ];
 }
 
-/** Limits and a right curve of a sketch, as numbers. @param {Form} form @param {Draft} step */
-function sketchFields(form, step) {
-  const {sketch} = step;
-  /** @param {string} name @param {string} key */
+/**
+ * Limits and a right curve of a sketch, as numbers.
+ * @param {Form} form
+ * @param {DraftStep} step
+ * @param {service.SketchInput} sketch
+ */
+function sketchFields(form, step, sketch) {
+  /** @param {string} name @param {'low' | 'high'} key */
   const number = (name, key) => h('label', {}, name, ' ', numberOf(form, sketch, key, name));
   return [
     choice(
       t('page.editor.strips'),
-      step.show.strips.map((/** @type {string} */ one) => /** @type {[string, string]} */ ([one, nameOf(one)])),
+      step.show.strips.map((one) => /** @type {[string, string]} */ ([one, nameOf(one)])),
       sketch.strip,
       (value) => {
         sketch.strip = value;
@@ -266,14 +263,20 @@ function sketchFields(form, step) {
       'div',
       {class: 'chips'},
       h('span', {class: 'soft'}, t('page.editor.sketch.solution')),
-      sketch.solution.map((/** @type {number} */ _, /** @type {number} */ at) =>
+      sketch.solution.map((_, at) =>
         numberOf(form, sketch.solution, at, `${t('page.editor.sketch.solution')} ${at + 1}`),
       ),
     ),
   ];
 }
 
-/** @param {Form} form @param {Draft} owner @param {string | number} key @param {string} name */
+/**
+ * @template {PropertyKey} K
+ * @param {Form} form
+ * @param {{[key in K]?: number}} owner
+ * @param {K} key
+ * @param {string} name
+ */
 function numberOf(form, owner, key, name) {
   /** @type {HTMLInputElement} */
   const field = h('input', {
@@ -290,27 +293,28 @@ function numberOf(form, owner, key, name) {
   return field;
 }
 
-/** @param {Form} form @param {Draft} step @param {(act: () => void) => () => void} change */
+/** @param {Form} form @param {DraftStep} step @param {(act: () => void) => () => void} change */
 function sawRows(form, step, change) {
-  step.saw ??= [];
+  /** @type {DraftSaw[]} */
+  const all = (step.saw ??= []);
   return [
-    step.saw.map((/** @type {Draft} */ saw, /** @type {number} */ at) => [
+    all.map((saw, at) => [
       h(
         'div',
         {class: 'answer-words'},
         words(form, saw, 'text', t('page.editor.saw'), true),
         removal(
           t('page.editor.saw'),
-          change(() => step.saw.splice(at, 1)),
+          change(() => all.splice(at, 1)),
         ),
       ),
-      saw.when?.length > 0 && conditionRows(form, step, saw, 'when'),
+      saw.when && saw.when.length > 0 && conditionRows(form, step, saw.when),
     ]),
     h('p', {class: 'soft'}, t('page.editor.saw.hint')),
-    step.saw.length < 4 &&
+    all.length < 4 &&
       adding(
         t('page.editor.add.sentence'),
-        change(() => step.saw.push({text: {en: '', zh: ''}})),
+        change(() => all.push({text: {en: '', zh: ''}})),
       ),
   ];
 }
