@@ -8,7 +8,7 @@ from tests.simulate import simulate
 from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.engine.errors import SpecError
-from thetascope.engine.observers.forms.matching_condition import find_P, lyapunov_margin
+from thetascope.engine.observers.forms.matching_condition import find_P, lyapunov_margin, matched_gains
 from thetascope_schemas import Experiment
 
 CHAIN = {
@@ -206,6 +206,64 @@ def test_P_is_found_exactly_where_the_transfer_function_is_strictly_positive_rea
             assert P @ d == pytest.approx(np.eye(n)[0], abs=1e-9)
             assert np.linalg.eigvalsh(P)[0] > 0 and lyapunov_margin(P, K) < 0
     assert 20 < sum(found) < len(found) - 20
+
+
+def strictly_positive_real(K: np.ndarray, d: np.ndarray) -> bool:
+    """Return whether N/D is: D stable, and Re N(jω) D(−jω), a polynomial in ω², without a root in ω² ≥ 0."""
+    n = len(K)
+    if np.roots([1, *K]).real.max() >= 0:
+        return False
+    product = np.polymul(d * 1j ** np.arange(n - 1, -1, -1), np.conj([1, *K] * 1j ** np.arange(n, -1, -1))).real
+    even = product[1::2]
+    roots = np.roots(even)
+    crossed = (np.abs(roots.imag) < 1e-9 * np.abs(roots)) & (roots.real >= 0)
+    return bool(even[0] > 0 and even[-1] > 0 and not crossed.any())
+
+
+def test_P_is_found_in_any_units_of_time():
+    """600 random K and d, n = 2 … 6, rates from 1e-4 to 1e4, complex poles: P exactly where a polynomial says so."""
+    rng, found = np.random.default_rng(7), 0
+    for _ in range(600):
+        n, rate = int(rng.integers(2, 7)), 10 ** rng.uniform(-4, 4)
+        turned = 10 ** rng.uniform(-0.7, 0.7) * np.exp(1j * rng.uniform(0, 1.3))
+        poles = np.r_[10 ** rng.uniform(-0.7, 0.7, n - 2), turned, np.conj(turned)]
+        K, d = np.poly(-poles).real[1:], np.poly(-(10 ** rng.uniform(-1, 1, n - 1)))
+        P = find_P(K * rate ** np.arange(1, n + 1), d * rate ** np.arange(n))
+        assert (P is not None) == strictly_positive_real(K, d), (K, d)
+        if P is not None:
+            found += 1
+            P *= np.outer(rate ** np.arange(n), rate ** np.arange(n))  # back to the units of K and d
+            assert P @ d == pytest.approx(np.eye(n)[0], abs=1e-6)
+            assert np.linalg.eigvalsh(P)[0] > 0 and lyapunov_margin(P, K) < 0
+    assert 100 < found < 500
+
+
+@pytest.mark.parametrize("d", [(1, 3), (1, 6), (1, 5, 10), (1, 0.2), (1, 0.7, 1.6), (1, 40, 500, 2000)])
+def test_the_gains_are_moved_until_there_is_a_P(d: tuple[float, ...]):
+    """Poles at −1, −2 … do not suit every direction; wherever the zeros of d are stable there are some that do."""
+    wished = np.poly(-np.arange(1.0, len(d) + 1))[1:]
+    K = matched_gains(wished, d)
+    assert strictly_positive_real(K, np.array(d, dtype=float)) and find_P(K, d) is not None
+    assert (wished == K).all() == strictly_positive_real(wished, np.array(d, dtype=float))
+
+
+def test_default_gains_satisfy_the_inequality_for_the_direction_of_the_plant():
+    """A plant whose faults enter along (1, 6): the default K of both observers has a P, in any unit of time."""
+    for rate in (1.0, 1e-3):
+        plant = {
+            "id": "steep",
+            "states": [{"name": "x1", "initial": 0.1}, {"name": "x2", "initial": 0.0}],
+            "inputs": [{"name": "u"}],
+            "outputs": [{"name": "y", "expression": "x1"}],
+            "dynamics": {"x1": "x2", "x2": f"{-2 * rate}*x2 - {rate**2}*x1 + {rate**2}*u"},
+            "channels": [{"name": "f", "kind": "process", "enters": {"x1": rate, "x2": 6 * rate**2}}],
+        }
+        data = {"plant": plant, "horizon": 2 / rate, "step": 0.01 / rate, "record": 0.1 / rate}
+        for kind in ("linear-adaptive", "nonsmooth-adaptive"):
+            observers = [{"label": "a", "kind": kind}]
+            run = simulate(library.resolve(Experiment.model_validate(data | {"observers": observers})))
+            found = {str(check.name): check.verdict for check in run.observers[0].checks}
+            assert found["Lyapunov inequality"] == "holds" and found["matching condition"] == "holds"
 
 
 def test_columns_of_different_directions_fail_the_matching_condition():

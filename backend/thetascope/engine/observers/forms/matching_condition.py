@@ -10,7 +10,7 @@ inequality (A − KC)ᵀP + P(A − KC) < 0 is a Riccati inequality for P2, solv
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -72,6 +72,36 @@ def find_P(K: Sequence[float] | np.ndarray, d: Sequence[float] | np.ndarray) -> 
 
     It exists exactly if C(sI − A + KC)⁻¹d is strictly positive real (Kalman, Yakubovich and Popov).
     """
+    n, K, d = len(K), np.asarray(K, dtype=float), np.asarray(d, dtype=float)
+    if not (np.isfinite(K).all() and np.isfinite(d).all() and K[-1] > 0):
+        return None  # K[-1] is the product of the poles
+    mean = K[-1] ** (1 / n)  # of the poles: time is measured in its inverse, and state i in mean^(i − 1)
+    powers = mean ** np.arange(n)
+    P = _scaled_P(K / (powers * mean), d / powers)
+    return None if P is None else P / np.outer(powers, powers)
+
+
+def matched_gains(wished: Sequence[float] | np.ndarray, d: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Return K (n,) for which P exists, as near to the wished K as a margin allows; the wished K where it has a P.
+
+    With N and D the polynomials of d and of A − KC, P exists where Re N(jω) D(−jω) > 0 for all ω. That is linear in
+    D, and holds for D = (s + a) N if the zeros of N are stable. So D is taken on the line from there to the wished one,
+    halfway to the border. If a zero is not stable no K has a P, and the wished K is returned.
+    """
+    wished, d = np.asarray(wished, dtype=float), np.asarray(d, dtype=float)
+    if find_P(wished, d) is not None or (np.roots(d).real >= 0).any():
+        return wished
+    pole = max(wished[0] - d[1:2].sum(), wished[0] / len(wished))  # the sum of all poles stays where it can
+    near = np.polymul([1.0, pole], d)[1:]
+    good, bad = 0.0, 1.0
+    for _ in range(30):
+        share = (good + bad) / 2
+        good, bad = (share, bad) if find_P(near + share * (wished - near), d) is not None else (good, share)
+    return near + good / 2 * (wished - near)
+
+
+def _scaled_P(K: np.ndarray, d: np.ndarray) -> np.ndarray | None:
+    """Return P where the poles are about 1."""
     n = len(K)
     T = np.eye(n)
     T[1:, 0] = d[1:]
@@ -79,26 +109,27 @@ def find_P(K: Sequence[float] | np.ndarray, d: Sequence[float] | np.ndarray) -> 
     moved = inverse @ closed(K) @ T  # A − KC in the coordinates ξ
     if not np.isfinite(moved).all() or moved[0, 0] >= 0:
         return None
-    P2 = _riccati(moved)
-    if P2 is None:
-        return None
-    P = inverse.T @ np.asarray(scipy.linalg.block_diag(1.0, P2)) @ inverse if n > 1 else np.eye(1)
-    ok = np.linalg.eigvalsh(P)[0] > 0 and lyapunov_margin(P, K) < 0
-    return P if ok else None
+    for P2 in _riccati(moved):
+        P = inverse.T @ np.asarray(scipy.linalg.block_diag(1.0, P2)) @ inverse if n > 1 else np.eye(1)
+        if np.linalg.eigvalsh(P)[0] > 0 and lyapunov_margin(P, K) < 0:
+            return P
+    return None
 
 
-def _riccati(moved: np.ndarray) -> np.ndarray | None:
-    """Return P2 with [[2 a11, a12 + a21ᵀP2], [·, P2 A22 + A22ᵀP2]] < 0, by its Schur complement in a11 < 0:
+def _riccati(moved: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield P2 with [[2 a11, a12 + a21ᵀP2], [·, P2 A22 + A22ᵀP2]] < 0, by its Schur complement in a11 < 0:
 
-    P2 A22 + A22ᵀP2 + γ(P2 a21 + a12ᵀ)(·)ᵀ + ε I = 0,   γ = −1/(2 a11), for the largest ε > 0 tried that has a solution.
+    P2 A22 + A22ᵀP2 + γ(P2 a21 + a12ᵀ)(·)ᵀ + ε I = 0,   γ = −1/(2 a11), for falling ε > 0. One that is near the largest
+    with a solution may miss the inequality by rounding, so the caller tests each.
     """
     gamma = -0.5 / moved[0, 0]
     c, b, A22 = moved[0, 1:], moved[1:, 0], moved[1:, 1:]
     size = len(b)
     if size == 0:
-        return np.empty((0, 0))
+        yield np.empty((0, 0))
+        return
     drift = A22 + gamma * np.outer(b, c)
-    for epsilon in gamma * 0.5 ** np.arange(40):
+    for epsilon in gamma * 0.5 ** np.arange(-6, 50):
         Q = gamma * np.outer(c, c) + epsilon * np.eye(size)
         H = np.block([[drift, gamma * np.outer(b, b)], [-Q, -drift.T]])
         try:
@@ -108,8 +139,7 @@ def _riccati(moved: np.ndarray) -> np.ndarray | None:
         if stable == size and np.linalg.cond(U[:size, :size]) < 1e12:
             P2 = U[size:, :size] @ np.linalg.inv(U[:size, :size])
             if np.linalg.eigvalsh(P2 + P2.T)[0] > 0:
-                return (P2 + P2.T) / 2
-    return None
+                yield (P2 + P2.T) / 2
 
 
 def lyapunov_margin(P: np.ndarray, K: Sequence[float] | np.ndarray) -> float:

@@ -22,7 +22,14 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.model.result import CANNOT_TELL, FAILS, HOLDS, Check
-from thetascope.engine.observers.forms.matching_condition import closed, direction, find_P, lyapunov_margin, shift
+from thetascope.engine.observers.forms.matching_condition import (
+    closed,
+    direction,
+    find_P,
+    lyapunov_margin,
+    matched_gains,
+    shift,
+)
 from thetascope.engine.observers.forms.sizes import TooLarge, expanded
 from thetascope.engine.observers.support.common_checks import NO_ESTIMATE, stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
@@ -33,7 +40,7 @@ from thetascope.engine.observers.support.matrices import column
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from sympy import Expr, Symbol
 
@@ -43,13 +50,27 @@ SOURCE = "Shen & Hu 2015"
 def default_K(context: Context) -> list[float]:
     """Return K such that A − KC has the eigenvalues −ω, …, −nω, ω in proportion to the plant's rate.
 
-    For the paper's plant it is about the paper's (3, 2).
+    For the paper's plant it is about the paper's (3, 2). Where the matching condition has no P for these eigenvalues,
+    they are moved until it has one (`matched_gains`).
     """
     omega = _FAST * pace(context)
     model = Model(context.model)
     values = {s: float(p["value"]) for s, p in zip(model.parameters, model.data["parameters"], strict=True)}
     slopes = [0.0 if e is None else float(e.xreplace(values)) for e in chain_slopes(model)]
-    return [float(k) for k in np.poly(-omega * np.arange(1.0, context.n + 1))[1:] / to_chain(context, slopes)]
+    T, wished = to_chain(context, slopes), np.poly(-omega * np.arange(1.0, context.n + 1))[1:]
+    d = _direction(context, model, values)
+    return [float(k) for k in (wished if d is None else matched_gains(wished, d * T / T[0])) / T]
+
+
+def _direction(context: Context, model: Model, values: Mapping[Symbol, float]) -> np.ndarray | None:
+    """Return the direction d (n,) of the matching condition in the plant's coordinates; None where it has none."""
+    if not context.channels:
+        return None
+    try:
+        d, _ = direction(model, context.channels)
+    except SpecError:  # a fault that does not enter the first state; the check says so
+        return None
+    return None if d is None else np.array([float(e.xreplace(values)) for e in d])
 
 
 def default_lambda(context: Context) -> list[float]:
