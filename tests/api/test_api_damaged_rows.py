@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from tests.api.conftest import service
+from tests.api.test_api_my_lessons import LESSON
 from tests.runs.samples import spec_data
 from thetascope.store.tables import METADATA
 
@@ -35,9 +36,9 @@ DAMAGES: dict[str, tuple[str, tuple[object, ...]]] = {
 """SQL of a value, and its parameters."""
 
 COLUMNS = [(table.name, column.name) for table in METADATA.sorted_tables for column in table.columns]
-KINDS = {"plants": "plants", "records": "records", "record_shares": "records"}
+KINDS = {"plants": "plants", "lessons": "lessons", "records": "records", "record_shares": "records"}
 """The lists in which tables appear; all others: runs."""
-LISTS = {"plants": ["/api/my-plants"], "records": ["/api/records"]}
+LISTS = {"plants": ["/api/my-plants"], "lessons": ["/api/my-lessons"], "records": ["/api/records"]}
 LISTS["runs"] = [
     f"/api/runs{query}"
     for query in (
@@ -61,10 +62,11 @@ class Filled:
 
     def __init__(self, address: str, store: Path) -> None:
         self.connection, self.store = HTTPConnection(address.removeprefix("http://"), timeout=120), store
-        self.ids: dict[str, list[str]] = {"plants": [], "records": [], "runs": []}
+        self.ids: dict[str, list[str]] = {"plants": [], "lessons": [], "records": [], "runs": []}
         for i in range(N + 2):
             text = f"id: plant-{i}\ntitle: Plant {i}\n".encode()
             self.ids["plants"].append(self.send("PUT", f"/api/my-plants/plant-{i}", text, "yaml")["id"])
+            self.ids["lessons"].append(self.send("POST", "/api/my-lessons", {**LESSON, "id": f"lesson-{i}"})["id"])
             rows = "t,u,y\n" + "".join(f"{k},1,{k + i}\n" for k in range(30))
             path = f"/api/records?name=record-{i}.csv&plant=dts200"
             self.ids["records"].append(self.send("POST", path, rows.encode(), "octet-stream")["id"])
@@ -111,6 +113,8 @@ class Filled:
         id = self.ids[kind][i]
         if kind == "plants":
             return [f"/api/my-plants/{id}", f"/api/my-plants/{id}/versions", f"/api/plants/{id}/text"]
+        if kind == "lessons":
+            return [f"/api/my-lessons/{id}", f"/api/course/{id}", f"/api/course/{id}/file"]
         if kind == "records":
             return [f"/api/records/{id}", f"/api/records/{id}/preview", f"/api/records/{id}/plant"]
         run = f"/api/runs/{id}"
@@ -134,6 +138,14 @@ class Filled:
             path = f"/api/my-plants/{id}"
             return [
                 ("PUT", path, {"id": id, "title": "new"}),
+                ("DELETE", path, None),
+                ("POST", f"{path}/restore", None),
+            ]
+        if kind == "lessons":
+            path = f"/api/my-lessons/{id}"
+            changed = {**LESSON, "id": id, "minutes": 7}
+            return [
+                ("POST", "/api/my-lessons", changed),
                 ("DELETE", path, None),
                 ("POST", f"{path}/restore", None),
             ]

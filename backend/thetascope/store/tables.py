@@ -139,7 +139,7 @@ def _versions(name: str) -> Table:
 
 
 PLANTS = _versions("plants")
-#: `faults` is the number of steps, and every version is ready.
+#: `title` is JSON of the words that a list shows, `faults` the number of steps, and every version is ready.
 LESSONS = _versions("lessons")
 
 

@@ -5,8 +5,11 @@ deletes it, and what others save under its id is their own. An id means the late
 else of anybody's. Ids of the library are refused.
 """
 
+import json
 import time
+from contextlib import suppress
 from threading import Lock
+from typing import Any
 
 import yaml
 from pydantic import ValidationError
@@ -28,9 +31,11 @@ from thetascope.runs.specs.refusals import (
 from thetascope.store import LessonStore, PlantVersion
 from thetascope.store.plant_store import ROW
 from thetascope_schemas.service.learning.course import CourseLesson
+from thetascope_schemas.service.learning.saved import MyLessonLine
 from thetascope_schemas.texts.local_text import ALL
 from thetascope_schemas.texts.refusal import suggestion
 
+_SHOWN = {"title", "outcome", "minutes"}  # kept as JSON beside the text, so that a list reads no texts
 _OF_ONE = 4  # the part of the room that one client may fill, unless it is the machine's owner
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -47,7 +52,7 @@ class MyLessons:
         if lesson.id in library.course():
             raise invalid("id", lesson.id, Message("lesson.of-library", id=lesson.id))
         text = lesson_text(lesson)
-        title = lesson.title.en or lesson.title.zh
+        shown = lesson.model_dump(mode="json", include=_SHOWN, context={"language": ALL})
         with self._saving:
             used = self._store.usage()
             most = self._limit if by.is_machine else self._limit // _OF_ONE
@@ -55,7 +60,7 @@ class MyLessons:
                 raise OverLimit(Message("lesson.no-room", limit=most // 1024**2), 3600.0)
             steps = len(lesson.steps)
             return self._store.put(
-                PlantVersion(by.owner, lesson.id, 0, str(title), "yaml", steps, True, text, time.time())
+                PlantVersion(by.owner, lesson.id, 0, json.dumps(shown), "yaml", steps, True, text, time.time())
             )
 
     def find(self, id: str, by: Principal) -> PlantVersion | None:
@@ -81,10 +86,13 @@ class MyLessons:
 
     def remove(self, id: str, by: Principal) -> None:
         """Delete a lesson with all its versions; it can be restored for 30 days. Raises Unknown, NotOwner."""
-        lesson = self.get(id, by)
-        if not by.acts_for(lesson.owner):
+        owners = self._store.owners(id)  # of damaged versions, too
+        if not owners:
+            self.get(id, by)  # names the nearest id
+        owner = next((one for one in _owners(by) if one in owners), None)
+        if owner is None:
             raise NotOwner(Message("lesson.not-owner", id=id))
-        self._store.remove(lesson.owner, id)
+        self._store.remove(owner, id)
 
     def restore(self, id: str, by: Principal) -> PlantVersion:
         """Bring a client's deleted lesson back with all its versions. Raises Unknown."""
@@ -92,6 +100,18 @@ class MyLessons:
             if self._store.restore(owner, id):
                 break
         return self.get(id, by)
+
+
+def lesson_line(version: PlantVersion, by: Principal) -> dict[str, Any]:
+    """Return what a list shows of a saved lesson, also of a damaged one: then its id in place of its words."""
+    known = {"id": version.id, "version": version.version, "steps": version.faults, "saved": version.saved}
+    known["mine"] = by.acts_for(version.owner)
+    with suppress(ValueError, TypeError, RecursionError):
+        return MyLessonLine.model_validate({**json.loads(version.title), **known}).model_dump(
+            mode="json", context={"language": ALL}
+        )
+    words = {"en": version.id, "zh": version.id}
+    return {**known, "title": words, "outcome": words, "minutes": 0}
 
 
 def lesson_text(lesson: CourseLesson) -> str:

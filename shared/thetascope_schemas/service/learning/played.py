@@ -18,6 +18,12 @@ _LESSON: dict[str, Any] = {
     "experiments": {"alone": {"plant": "two-tanks", "horizon": 60.0, "step": 0.1}},
     "steps": [{"title": _WORDS, "say": [_WORDS], "start": {"experiment": "alone"}}],
 }
+_DEED: dict[str, Any] = {
+    "judged": {"values": {"settled": 23.2}, "right": [False, True], "met": True, "saw": 0},
+    "since": [None, 23.5],
+    "met_since": 0.0,
+}
+_CURVE: dict[str, Any] = {"strip": "x.h1", "label": "copy", "values": [1.0, 1.4]}
 
 
 class PlayRequest(Strict):
@@ -38,6 +44,8 @@ class PlayRequest(Strict):
 class PlayedDeed(Strict):
     """What the session shows after one of the things that a student can do: a choice, a value of the dial, a sketch."""
 
+    model_config = example(**_DEED)
+
     judged: Judged
     since: tuple[Number | None, ...] = Field(
         description="Time in s of the session from which each answer is right until the end; null: it is wrong there."
@@ -48,6 +56,8 @@ class PlayedDeed(Strict):
 class PlayedCurve(Strict):
     """A curve on a strip: the truth, a reading, or what an observer estimates."""
 
+    model_config = example(**_CURVE)
+
     strip: str = Field(description="Name of the strip.")
     label: str = Field(description="Label of the observer; empty: the true value or a signal.")
     values: tuple[Number | None, ...] = Field(description="Its values at the times `t`, in the unit of the strip.")
@@ -55,6 +65,8 @@ class PlayedCurve(Strict):
 
 class Played(Strict):
     """A step as it goes in the lesson's own experiment."""
+
+    model_config = example(mark=0.0, deeds=[_DEED], t=[0.0, 0.5], curves=[_CURVE], columns=["y.y", "copy.x.h1"])
 
     mark: Number = Field(description="Time in s of the session at which the step begins.")
     deeds: tuple[PlayedDeed, ...] = Field(description="By choice; of a dial and a sketch first wrong, then right.")

@@ -18,6 +18,11 @@ _LINE: dict[str, Any] = {
     "saved": 1795960920.0,
     "mine": True,
 }
+_LESSON: dict[str, Any] = {
+    **{name: _LINE[name] for name in ("id", "title", "outcome", "minutes")},
+    "experiments": {"leak": {"plant": "two-tanks", "horizon": 60.0, "step": 0.1}},
+    "steps": [{"title": _LINE["title"], "say": [_LINE["outcome"]], "start": {"experiment": "leak"}}],
+}
 
 
 class MyLessonLine(Strict):
@@ -45,5 +50,7 @@ class MyLessonList(Strict):
 
 class MyLesson(MyLessonLine):
     """A saved lesson with its steps."""
+
+    model_config = example(**_LINE, lesson=_LESSON)
 
     lesson: CourseLesson

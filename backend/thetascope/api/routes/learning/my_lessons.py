@@ -16,7 +16,7 @@ from thetascope.api.operation.request_log import audit
 from thetascope.api.routes.learning.course import find_lesson
 from thetascope.engine.errors import SpecError
 from thetascope.live.facts.play_step import play_step
-from thetascope.runs.lessons.my_lessons import check_lesson, lesson_of, lesson_text
+from thetascope.runs.lessons.my_lessons import check_lesson, lesson_line, lesson_of, lesson_text
 from thetascope.runs.specs.refusals import from_engine
 from thetascope.store import PlantVersion
 from thetascope_schemas.service.learning.course import CourseLesson
@@ -24,15 +24,14 @@ from thetascope_schemas.service.learning.played import Played, PlayRequest
 from thetascope_schemas.service.learning.saved import MyLesson, MyLessonList
 
 router = APIRouter(tags=["lessons"])
-_FILE = {200: {"content": {"application/yaml": {"schema": {"type": "string"}}}, "description": "The lesson's file."}}
+_FILE = {200: {"content": {"application/yaml": {}}, "description": "The lesson's file."}}
 
 
 @router.get("/my-lessons", response_model=MyLessonList)
 def list_my_lessons(request: Request, services: Use) -> Response:
     """Return the latest version of each lesson that this client or another has saved, the last saved first."""
     by = principal_of(request.scope)
-    whole = [services.my_lessons.get(one.id, by) for one in services.my_lessons.latest(by)]
-    return json_response({"lessons": [_line(one, lesson_of(one), by) for one in whole]})
+    return json_response({"lessons": [lesson_line(one, by) for one in services.my_lessons.latest(by)]})
 
 
 @router.post(
@@ -99,13 +98,7 @@ async def play_lesson_step(request: Request, services: Use) -> Response:
     return json_response(played.model_dump(mode="json"))
 
 
-def _line(saved: PlantVersion, lesson: CourseLesson, by: Principal) -> dict[str, Any]:
-    words = lesson.model_dump(mode="json", include={"title", "outcome", "minutes"}, context={"language": "*"})
-    facts = {"id": saved.id, "version": saved.version, "steps": len(lesson.steps), "saved": saved.saved}
-    return words | facts | {"mine": by.acts_for(saved.owner)}
-
-
 def _whole(saved: PlantVersion, by: Principal) -> dict[str, Any]:
     lesson = lesson_of(saved)
     data = lesson.model_dump(mode="json", exclude_none=True, context={"language": "*"})
-    return _line(saved, lesson, by) | {"lesson": data}
+    return lesson_line(saved, by) | {"lesson": data}

@@ -18,7 +18,7 @@ from thetascope.engine.observers.support.draft import Draft
 from thetascope.engine.observers.support.draft_linalg import solve
 from thetascope.engine.observers.support.excitation_checks import picked_rows, scaled_matrices, too_large
 from thetascope.engine.observers.support.kalman_defaults import output_scales, pace, typical_sizes
-from thetascope.engine.observers.support.matrices import Matrix, diag, eye
+from thetascope.engine.observers.support.matrices import Matrix, diag, eye, zeros
 from thetascope.engine.observers.support.model_at import ModelAt
 from thetascope.messages import Message
 
@@ -58,6 +58,8 @@ def constants(c: Context) -> dict[str, np.ndarray]:
 
 def faults_in_rates(d: Draft, at: ModelAt, rates: Matrix) -> Matrix:
     """Return (CΦ)⁺ at the estimate, with its ridge, times an unexplained part of ẏ (m×1)."""
+    if d.p == 0:
+        return zeros(0)
     typical = diag(d.constant("typical", d.p, 1))
     inverse = diag([1 / s for s in d.constant("swing", d.m, 1)])
     E = d.let("E", inverse @ at.C @ at.Phi @ typical)
