@@ -52,6 +52,8 @@ class Settings:
     hosts: str = ""
     #: Origins of pages of other sites that may use this service, separated by commas, as `https://lab.example.org`.
     origins: str = ""
+    #: File of the learning platforms from which classes are launched (LTI 1.3); "": there are none.
+    lti: str = ""
     #: Access key; "": a random one, created when it is needed. `open`: whether nobody is asked for it (1).
     key: str = field(default="", repr=False)
     open: int = 0

@@ -1638,6 +1638,18 @@ export interface GainNowInput {
   gain: string;
 }
 
+/** The points of students who came from a learning platform, on their way to its gradebook. */
+export interface GradesView {
+  /** Students whose points the gradebook has taken. */
+  sent: number;
+  /** Students whose points are being sent. */
+  waiting: number;
+  /** Students whose points the gradebook did not take. */
+  failed: number;
+  /** Why, in a few words, as `HTTP 403`; empty: nothing failed. */
+  why: string;
+}
+
 /** The versions and the usage of the service. */
 export interface Health {
   status: 'ok';
@@ -5004,6 +5016,8 @@ export interface WallView {
   /** Votes for each answer of the step. */
   votes: (number)[];
   round: RoundView | null;
+  /** null: nobody came from a learning platform. */
+  grades: GradesView | null;
 }
 
 /** A symbol of an observer's equations and its meaning. */

@@ -93,6 +93,8 @@ def test_every_address_is_closed_without_the_key(shared):
         ("/api/classroom/join", "POST"),
         *(("/api/classroom/seat", method) for method in ("GET", "DELETE")),
         *((f"/api/classroom/seat/{part}", "PUT") for part in ("name", "vote", "answer")),
+        ("/api/classroom/lti/seat", "POST"),
+        ("/api/classroom/lti/keys", "GET"),
     }
     seats = {shared.get(path, method=method).status for path, method in passed if "classroom" in path}
     assert seats <= {404, 415}

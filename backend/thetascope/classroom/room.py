@@ -18,6 +18,7 @@ from thetascope_schemas.service.classroom.requests import (
     AnswerRequest,
     LeadRequest,
 )
+from thetascope_schemas.service.classroom.views import GradesView
 from thetascope_schemas.service.learning.mystery import MysterySetup
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ class Room:
         self.past: list[FollowRound | OwnRound] = []
         self.numbered = 0
         self.curves = Curves()
+        self.grades: GradesView | None = None
         self._wall: list[Listener] = []
         self._asleep: frozenset[str] = frozenset()
 

@@ -16,7 +16,7 @@ def wall_view(room: Room) -> WallView:
     """Return what the wall shows."""
     votes = room.round.counts() if isinstance(room.round, FollowRound) else ()
     tiles = tuple(_tile(room, student) for student in room.students.values())
-    return WallView(code=room.code, tiles=tiles, votes=votes, round=_round_view(room))
+    return WallView(code=room.code, tiles=tiles, votes=votes, round=_round_view(room), grades=room.grades)
 
 
 def seat_view(room: Room, student: Student) -> SeatView:

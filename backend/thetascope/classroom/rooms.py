@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Coroutine
-from typing import Any
+from typing import Any, Protocol
 
 from thetascope.classroom.faults.computing import Computing
 from thetascope.classroom.faults.own_round import OwnRound
@@ -23,6 +23,20 @@ _SHOWS_UP = 90.0
 _RETRY = 600.0
 
 
+_TOKENS = 12
+"""Tokens of one room's teachers; for one more the oldest opens nothing any more."""
+
+
+class Follower(Protocol):
+    """What is done with the rooms of learning platforms beside."""
+
+    def look(self, room: Room) -> None:
+        """Notice what has changed in a room."""
+
+    def forget(self, room: Room) -> None:
+        """Notice that a room has ended."""
+
+
 class Rooms:
     """The rooms. All methods are called on the event loop."""
 
@@ -32,6 +46,7 @@ class Rooms:
         self._teachers: dict[bytes, Room] = {}
         self._seats: dict[bytes, tuple[Room, Student]] = {}
         self._timer: asyncio.TimerHandle | None = None
+        self.follower: Follower | None = None
 
     def __len__(self) -> int:
         return len(self._rooms)
@@ -56,8 +71,11 @@ class Rooms:
 
     def close(self, room: Room) -> None:
         """End a room: its students, votes and answers are forgotten."""
+        if self.follower is not None and room.code in self._rooms:
+            self.follower.look(room)
+            self.follower.forget(room)
         self._rooms.pop(room.code, None)
-        self._teachers.pop(room.teacher, None)
+        self._teachers = {key: one for key, one in self._teachers.items() if one is not room}
         for student in room.students.values():
             self._seats.pop(student.digest, None)
         room.close()
@@ -80,6 +98,23 @@ class Rooms:
         if room is None:
             raise Unknown(Message("classroom.no-room"))
         return room
+
+    def another_teacher(self, room: Room) -> str:
+        """Return one more token of a room's teacher."""
+        token = new_token()
+        known = [key for key, one in self._teachers.items() if one is room]
+        for key in known[: max(0, len(known) + 1 - _TOKENS)]:
+            del self._teachers[key]
+        self._teachers[digest(token)] = room
+        return token
+
+    def seat_again(self, room: Room, student: Student) -> str:
+        """Return a new token of a student's seat; the one before opens nothing any more."""
+        token = new_token()
+        self._seats.pop(student.digest, None)
+        student.digest = digest(token)
+        self._seats[student.digest] = (room, student)
+        return token
 
     def join(self, room: Room) -> tuple[Student, str]:
         """Add a student to a room; return it and its token. Raises OverLimit."""
@@ -157,6 +192,8 @@ class Rooms:
             room.tick(now)
             if now - room.opened > LONGEST or now - room.used > IDLE:
                 self.close(room)
+            elif self.follower is not None:
+                self.follower.look(room)
 
     def _tick(self) -> None:
         self._timer = None

@@ -34,12 +34,13 @@ from thetascope.api.routes import (
     runs,
     sessions,
 )
-from thetascope.api.routes.classroom import seats, teacher
+from thetascope.api.routes.classroom import launches, seats, teacher
 from thetascope.api.routes.figures import printed_figures
 from thetascope.api.routes.learning import course, my_lessons, mysteries, questions
 from thetascope.api.routes.models import equations, gain_defaults, plant_trial, signal_curve
 from thetascope.api.routes.notebook import run_comparison, run_lines
 from thetascope.api.sign_in.require_key import RequireKey
+from thetascope.classroom.lti.tool import prepared
 from thetascope.engine.compiler import cache
 from thetascope.server import connections, prewarm
 from thetascope.settings import Settings, load
@@ -63,6 +64,8 @@ def create_app(settings: Settings | None = None, database: Database | None = Non
     Raises SettingsError.
     """
     settings = settings or load()
+    if settings.lti:
+        prepared(settings)  # what is wrong is said before the service starts
     metrics = Metrics()
 
     @asynccontextmanager
@@ -85,7 +88,8 @@ def create_app(settings: Settings | None = None, database: Database | None = Non
     app.add_middleware(RequireKey, gate=app.state.gate, settings=settings)
     app.add_middleware(ContentLanguage)
     app.state.hosts = AllowedHosts(settings.hosts, settings.host, settings.origins)
-    app.add_middleware(Security, hosts=app.state.hosts)
+    forms = launches.CROSS_SITE if settings.lti else frozenset[str]()
+    app.add_middleware(Security, hosts=app.state.hosts, forms=forms)
     app.add_middleware(RequestLog, metrics=metrics)  # the outermost: it sees every request and answer
     app.state.metrics = metrics
     problems.install(app)
@@ -133,6 +137,7 @@ def _api() -> APIRouter:
         sessions,
         teacher,
         seats,
+        launches,
     ):
         api.include_router(part.router)
 

@@ -5,7 +5,7 @@ import {fill, h, query} from '../../common/dom.js';
 import {mountTop} from '../../common/page-header.js';
 import {chosenLanguage} from '../../i18n/language.js';
 import {asSentence, named, refusalWords, speak, t} from '../../i18n/words.js';
-import {keepRoom, teacherRoom} from './kept.js';
+import {keepRoom, launchSecret, teacherRoom} from './kept.js';
 import {RoomSocket} from './room-socket.js';
 import {clock} from './answer-words.js';
 import {RecordPictures} from './record-pictures.js';
@@ -48,7 +48,11 @@ export class Classroom {
     this.setups = /** @type {service.ClassSetups} */ (await get('/api/classroom/setups')).setups;
     this.setup = this.setups[0]?.id ?? '';
     const kept = teacherRoom();
-    if (kept) await this.enter(() => this.ask('GET', '/room', undefined, kept.token));
+    const launch = launchSecret();
+    if (launch) {
+      await this.enter(() => this.ask('POST', '/lti/room', {launch}, ''));
+      history.replaceState(null, '', '/classroom/');
+    } else if (kept) await this.enter(() => this.ask('GET', '/room', undefined, kept.token));
     this.draw();
   }
 
@@ -78,7 +82,7 @@ export class Classroom {
         },
       });
     } catch (error) {
-      if (error instanceof Problem && error.status === 404) keepRoom(null);
+      if (error instanceof Problem && error.status === 404 && !launchSecret()) keepRoom(null);
       else this.refused(error);
     }
     this.draw();

@@ -25,6 +25,8 @@ function write(key, value) {
   }
 }
 
+/** The secret with which somebody comes from a learning platform; it can be used once. */
+export const launchSecret = () => new URLSearchParams(location.search).get('launch') ?? '';
 /** The room that was opened in this browser. */
 export const teacherRoom = () => read(ROOM);
 /** @param {Kept | null} room */

@@ -22,6 +22,7 @@ export function drawWall(page, room, state) {
       {class: 'wall-main'},
       head(page, state),
       page.problem && h('p', {class: 'alarm', role: 'alert'}, page.problem),
+      state.grades && grades(state.grades),
       tiles(page, state),
       below(page, state),
     ),
@@ -93,6 +94,18 @@ function head(page, {round, tiles: all}) {
         class: 'run',
         'aria-expanded': String(page.choosing),
       }),
+  );
+}
+
+/** How many points have reached the gradebook of the learning platform. @param {service.GradesView} passed */
+function grades({sent, waiting, failed, why}) {
+  const words = [t('page.classroom.grades-sent', {n: sent})];
+  if (waiting) words.push(t('page.classroom.grades-waiting', {n: waiting}));
+  return h(
+    'p',
+    {class: 'soft', role: 'status'},
+    words.join(' · '),
+    failed > 0 && h('span', {class: 'alarm'}, ` · ${t('page.classroom.grades-failed', {n: failed, why})}`),
   );
 }
 

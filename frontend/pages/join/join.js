@@ -4,7 +4,7 @@ import {fill, h, query} from '../../common/dom.js';
 import {post, request} from '../../common/api.js';
 import {chosenLanguage, rememberLanguage} from '../../i18n/language.js';
 import {asSentence, language, named, refusalWords, speak, t} from '../../i18n/words.js';
-import {keepSeat, studentSeat} from '../classroom/kept.js';
+import {keepSeat, launchSecret, studentSeat} from '../classroom/kept.js';
 import {CurvePicture} from '../classroom/curve-picture.js';
 import {RoomSocket} from '../classroom/room-socket.js';
 import {decode} from '../../live/net/socket.js';
@@ -47,18 +47,23 @@ export class Phone {
 
   async start() {
     const code = decodeURIComponent(location.pathname.split('/')[2] ?? '');
+    const launch = launchSecret();
+    if (launch) {
+      await this.join('/api/classroom/lti/seat', {launch});
+      return this.draw();
+    }
     const seat = studentSeat();
     if (seat && (!code || seat.code === code.toUpperCase())) return this.sit(seat);
-    if (code) await this.join(code);
+    if (code) await this.join('/api/classroom/join', {code});
     return this.draw();
   }
 
-  /** @param {string} code */
-  async join(code) {
+  /** Take a place in a room. @param {string} path @param {object} by   its code, or a launch from a learning platform */
+  async join(path, by) {
     this.problem = '';
     try {
       /** @type {service.JoinedRoom} */
-      const {token, seat} = await post('/api/classroom/join', {code});
+      const {token, seat} = await post(path, by);
       keepSeat({token, code: seat.code});
       history.replaceState(null, '', `/join/${seat.code}`);
       this.state = seat;

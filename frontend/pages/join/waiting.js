@@ -31,7 +31,7 @@ export function drawJoin(phone) {
         class: 'seat-form',
         onsubmit: (event) => {
           event.preventDefault();
-          phone.join(code.value);
+          phone.join('/api/classroom/join', {code: code.value});
         },
       },
       h('label', {for: 'code', id: 'join-hint'}, t('page.join.hint')),

@@ -48,8 +48,9 @@ class Security:
     what they ask for with credentials cannot be read, and a cookie that a browser sends with it is removed.
     """
 
-    def __init__(self, app: ASGIApp, hosts: AllowedHosts) -> None:
-        self._app, self._hosts = app, hosts
+    def __init__(self, app: ASGIApp, hosts: AllowedHosts, forms: frozenset[str] = frozenset()) -> None:
+        """Take the application, and the addresses that accept a form which a page of any other site sends."""
+        self._app, self._hosts, self._forms = app, hosts, forms
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request, and add the headers to its answer; or a websocket."""
@@ -66,7 +67,7 @@ class Security:
             await self._app(scope, receive, send)
             return
 
-        other = self._hosts.other_site(Headers(scope=scope))
+        other = None if self._is_form(scope) else self._hosts.other_site(Headers(scope=scope))
 
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
@@ -96,9 +97,13 @@ class Security:
         host = headers.get("host", "")
         if not self._hosts.allows(host):
             return 421, Wording("http.host.unknown", host=host[:100])
-        if scope["method"] not in _SAFE and not self._hosts.may_change(headers):
+        if scope["method"] not in _SAFE and not self._is_form(scope) and not self._hosts.may_change(headers):
             return 403, Wording("http.cross-site")
         return None
+
+    def _is_form(self, scope: Scope) -> bool:
+        """Return whether a request is one of the forms that other sites may send; its address checks what it says."""
+        return scope["method"] == "POST" and scope["path"] in self._forms
 
 
 def _is_preflight(scope: Scope) -> bool:

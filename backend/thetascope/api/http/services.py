@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import Depends, Request
 
 from thetascope.classroom.faults.computing import Computing
+from thetascope.classroom.lti.tool import Tool
 from thetascope.classroom.rooms import Rooms
 from thetascope.live.scheduling.hub import Hub
 from thetascope.runs.jobs.manager import RunManager
@@ -39,6 +40,7 @@ class Services:
     my_lessons: MyLessons
     notebook: Notebook
     rooms: Rooms
+    lti: Tool | None = None
 
     @classmethod
     def start(
@@ -49,7 +51,7 @@ class Services:
     ) -> "Services":
         """Open the store, if it is not given, start the manager, and resume runs; `run_ended`: see RunManager.
 
-        Raises StoreError.
+        Raises StoreError, SettingsError.
         """
         database = database or Database.for_service(settings.store, bool(settings.read_only))
         preload(PRELOADED)
@@ -64,7 +66,9 @@ class Services:
         plants = MyPlants(PlantStore(database), settings.plant_limit)
         lessons = MyLessons(LessonStore(database), settings.plant_limit)
         rooms = Rooms(Computing(workers))
-        return cls(settings, workers, runs, Hub(settings, workers), database, records, plants, lessons, notebook, rooms)
+        lti = Tool(settings, rooms) if settings.lti else None
+        live = Hub(settings, workers)
+        return cls(settings, workers, runs, live, database, records, plants, lessons, notebook, rooms, lti)
 
     def with_record(self, spec: ResolvedExperiment) -> ResolvedExperiment:
         """Return an experiment with the file of its record, if it has one. Raises Unknown for no such record."""
@@ -77,6 +81,8 @@ class Services:
 
     def close(self) -> None:
         """End all sessions and computations, and close the run manager and the store."""
+        if self.lti is not None:
+            self.lti.stop()
         self.rooms.stop()
         self.live.stop()
         self.end_computations()

@@ -27,6 +27,14 @@ class Caption(Strict):
     zh: str = Field(max_length=2000)
 
 
+class LaunchedRequest(Strict):
+    """The secret of a launch from a learning platform, as it stands in the address of the page."""
+
+    model_config = example(launch="Zb1s0vC7Jm3kqyT5uWnA9xRhLd2eGf8i")
+
+    launch: str = Field(max_length=100, description="It can be used once.")
+
+
 Place = Annotated[int, Field(ge=0, lt=MOST_OPTIONS, strict=True)]
 
 

@@ -65,6 +65,15 @@ class RoundView(Strict):
     lead: LeadView | None
 
 
+class GradesView(Strict):
+    """The points of students who came from a learning platform, on their way to its gradebook."""
+
+    sent: int = Field(description="Students whose points the gradebook has taken.")
+    waiting: int = Field(description="Students whose points are being sent.")
+    failed: int = Field(description="Students whose points the gradebook did not take.")
+    why: str = Field(description="Why, in a few words, as `HTTP 403`; empty: nothing failed.")
+
+
 class WallView(Strict):
     """Everything on the wall. Votes are counted; answers come after the reveal."""
 
@@ -73,6 +82,7 @@ class WallView(Strict):
     tiles: tuple[Tile, ...]
     votes: tuple[int, ...] = Field(description="Votes for each answer of the step.")
     round: RoundView | None
+    grades: GradesView | None = Field(default=None, description="null: nobody came from a learning platform.")
 
 
 class SeatView(Strict):

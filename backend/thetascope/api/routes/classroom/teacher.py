@@ -35,7 +35,7 @@ async def open_room(request: Request, services: Use) -> Response:
     """Open a room. Nothing of it is stored: it ends with the service, or when nobody uses it."""
     room, token = services.rooms.open(client_of(request))
     audit(request, "classroom.opened")
-    return _answer(_opened(request, services, room, token), 201)
+    return _answer(room_opened(request, services, room, token), 201)
 
 
 @router.get("/setups", response_model=ClassSetups)
@@ -48,7 +48,7 @@ def list_setups() -> Response:
 @router.get("/room", response_model=RoomOpened, responses=documented(404))
 async def get_room(request: Request, services: Use, token: TeacherToken = "") -> Response:
     """Return code, address and QR code of the teacher's room."""
-    return _answer(_opened(request, services, services.rooms.of_teacher(token), token))
+    return _answer(room_opened(request, services, services.rooms.of_teacher(token), token))
 
 
 @router.get("/room/wall", response_model=WallView, responses=documented(404))
@@ -137,7 +137,8 @@ async def get_results(services: Use, token: TeacherToken = "") -> Response:
     return Response(csv_of(room), 200, named | _NONE, MEDIA_TYPES["csv"])
 
 
-def _opened(request: Request, services: Services, room: Room, token: str) -> RoomOpened:
+def room_opened(request: Request, services: Services, room: Room, token: str) -> RoomOpened:
+    """Return a room as its teacher gets it."""
     address, reachable = join_address(request, services.settings, room.code)
     return RoomOpened(token=token, code=room.code, address=address, reachable=reachable, qr=qr_rows(address))
 
