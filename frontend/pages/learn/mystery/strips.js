@@ -52,7 +52,7 @@ export class Strips {
     const theta = columns.find(({of, observer}) => of === 'theta' && observer === suspect);
     const others = this.measured ? columns.filter(({of}) => of === 'u' || of === 'y') : [];
     const count = healthy.length + (theta ? 1 : 0) + others.length;
-    const height = innerWidth < 960 ? 110 : Math.max(92, Math.min(240, Math.round((innerHeight - 230) / count)));
+    const height = innerWidth < 960 ? 110 : Math.max(92, Math.min(320, Math.round((innerHeight - 230) / count)));
     this.shown = [
       ...healthy.map((column) => {
         const left = columns.find(
