@@ -1851,6 +1851,12 @@ export interface KnownSignalInput {
   default?: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SquareSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | NoiseSignalInput | TableSignalInput | ExpressionSignalInput;
 }
 
+/** The secret of a launch from a learning platform, as it stands in the address of the page. */
+export interface LaunchedRequest {
+  /** It can be used once. */
+  launch: string;
+}
+
 /** What the teacher shows now: a live session, and perhaps a step of a lesson. */
 export interface LeadRequest {
   /** Id of the teacher's session. */

@@ -13,6 +13,7 @@ from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.classroom.requests import (
     AnswerRequest,
     JoinRequest,
+    LaunchedRequest,
     LeadRequest,
     NameRequest,
     RoundRequest,
@@ -70,6 +71,7 @@ BODIES = (
     RoundRequest,
     LeadRequest,
     JoinRequest,
+    LaunchedRequest,
     NameRequest,
     VoteRequest,
     ChallengeAnswer,
