@@ -30,6 +30,8 @@ COMPUTED = {
     "Experiment._check_times": ("experiment.interval.too-short",),
     "RequireKey._refusal": ("access.no-key", "access.wrong-key", "access.ended"),
     "RunManager.finished": ("run.cancelled", "run.failed"),
+    "SavedTexts.get": ("workshop.version-unknown", "lesson.version-unknown", "workshop.unknown", "lesson.unknown"),
+    "SavedTexts.remove": ("workshop.not-owner", "lesson.not-owner"),
     "_Reader.read": ("expression.syntax",),
     "with_command": ("experiment.interval.too-short",),
 }

@@ -13,12 +13,12 @@ from thetascope.store import (
     LessonStore,
     NotebookStore,
     PlantStore,
-    PlantVersion,
     RecordStore,
     RunFacts,
     RunQuery,
     RunStore,
     Share,
+    TextVersion,
     backup,
     record_id,
     restore,
@@ -45,8 +45,8 @@ def fill(database: Database) -> None:
         runs.own(f"run-{i}", ["ann", "bob"])
         notes.note(f"run-{i}", "ann", f"name {i}", ("all", f"标签 {i}"))
         notes.note_comparison([f"run-{i}", "run-x"], "ann", f"note {i}")
-        plants.put(PlantVersion("ann", f"plant-{i}", 0, f"Plant {i}", "yaml", 1, True, f"id: plant-{i}\n", float(i)))
-        lessons.put(PlantVersion("ann", f"lesson-{i}", 0, f"Lesson {i}", "yaml", 1, True, f"id: {i}\n", float(i)))
+        plants.put(TextVersion("ann", f"plant-{i}", 0, f"Plant {i}", "yaml", 1, True, f"id: plant-{i}\n", float(i)))
+        lessons.put(TextVersion("ann", f"lesson-{i}", 0, f"Lesson {i}", "yaml", 1, True, f"id: {i}\n", float(i)))
         data = f"t,y\n0,{i}\n".encode()
         records.put(data, Share(record_id(data), "ann", f"record {i}", "dts200", '{"columns": {}}', float(i)))
     runs.pin("run-1", True)
@@ -137,7 +137,7 @@ def test_no_damaged_time_of_removal_erases_a_row(filled, tmp_path, value):
         connection.execute(f"UPDATE plants SET removed = {value} WHERE id = 'plant-2'")
     with closing(Database(path)) as database:
         notes, plants = NotebookStore(database), PlantStore(database)
-        plants.put(PlantVersion("ann", "other", 0, "Other", "yaml", 0, True, "id: other\n", 1.0))
+        plants.put(TextVersion("ann", "other", 0, "Other", "yaml", 0, True, "id: other\n", 1.0))
         assert notes.erase(2e9) == 0
         assert notes.line("ann", "run-2").name == "name 2"
         assert plants.get("ann", "plant-2").text == "id: plant-2\n"

@@ -16,11 +16,11 @@ from thetascope.store import (
     Database,
     NotebookStore,
     PlantStore,
-    PlantVersion,
     RecordStore,
     RunStore,
     Share,
     StoreError,
+    TextVersion,
     record_id,
     verify,
 )
@@ -60,7 +60,7 @@ def write_what_is_typed(place: str) -> None:
             notes, plants, records = NotebookStore(database), PlantStore(database), RecordStore(database)
             for j in range(10**6):
                 name = f"{i}-{j}"
-                plants.put(PlantVersion("ann", "tank", 0, name, "yaml", 0, True, f"id: tank\n# {name}\n", float(j)))
+                plants.put(TextVersion("ann", "tank", 0, name, "yaml", 0, True, f"id: tank\n# {name}\n", float(j)))
                 records.put(
                     name.encode() * 500, Share(record_id(name.encode() * 500), "ann", name, None, None, float(j))
                 )

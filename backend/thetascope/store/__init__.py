@@ -6,19 +6,18 @@ from thetascope.store.errors import Damaged, StoreError
 from thetascope.store.notebook.facts import RunFacts
 from thetascope.store.notebook.listing import RunQuery
 from thetascope.store.notebook_store import Line, NotebookStore
-from thetascope.store.plant_store import LessonStore, PlantStore, PlantVersion
 from thetascope.store.record_store import RecordStore, Share, record_id
 from thetascope.store.run_store import Record, RunStore
+from thetascope.store.text_store import LessonStore, PlantStore, TextStore, TextVersion
 from thetascope.store.verification import Verification, verify
 
 __all__ = [
     "Damaged",
     "Database",
+    "LessonStore",
     "Line",
     "NotebookStore",
-    "LessonStore",
     "PlantStore",
-    "PlantVersion",
     "Record",
     "RecordStore",
     "RunFacts",
@@ -26,6 +25,8 @@ __all__ = [
     "RunStore",
     "Share",
     "StoreError",
+    "TextStore",
+    "TextVersion",
     "Verification",
     "backup",
     "opened",

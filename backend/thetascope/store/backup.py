@@ -32,8 +32,8 @@ from thetascope.store.tables import (
     RUN_NOTES,
     RUNS,
     has_facts,
-    has_plant,
     has_result,
+    has_text,
     is_whole,
 )
 from thetascope.store.verification import Verification, verify
@@ -47,8 +47,8 @@ _WHOLE = {
     COMPARISON_NOTES: lambda row: True,
     RECORDS: has_record,
     RECORD_SHARES: lambda row: True,
-    PLANTS: has_plant,
-    LESSONS: has_plant,
+    PLANTS: has_text,
+    LESSONS: has_text,
 }
 _COMPANIONS = ("", "-wal", "-shm")
 """Endings of the files of an SQLite store."""

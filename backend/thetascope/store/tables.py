@@ -202,15 +202,15 @@ def has_result(row: Any) -> bool:
     return row.checksum == result_sum(row.id, row.engine, row.rows, row.head, row.data)
 
 
-def plant_sum(row: Any) -> str:
-    """Return the checksum of a version of a plant."""
+def text_sum(row: Any) -> str:
+    """Return the checksum of a version of a plant or a lesson."""
     facts = (row.title, row.format, row.faults, row.ready)
     return checksum(row.owner, row.id, row.version, *facts, row.text, row.saved)
 
 
-def has_plant(row: Any) -> bool:
-    """Return whether a row of `plants` is what was written."""
-    return row.checksum == plant_sum(row)
+def has_text(row: Any) -> bool:
+    """Return whether a row of `plants` or `lessons` is what was written."""
+    return row.checksum == text_sum(row)
 
 
 def facts_sum(run: str, row: Any) -> str:

@@ -9,7 +9,7 @@ from thetascope.store.damaged_rows import rows_one_by_one
 from thetascope.store.database import Database
 from thetascope.store.errors import StoreError
 from thetascope.store.record_store import has_record
-from thetascope.store.tables import LESSONS, PLANTS, RECORDS, RESULTS, has_plant, has_result, has_spec, is_whole
+from thetascope.store.tables import LESSONS, PLANTS, RECORDS, RESULTS, has_result, has_spec, has_text, is_whole
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ def _damaged_plants(database: Database) -> list[Message]:
     for table, code in ((PLANTS, "store.defect.plant"), (LESSONS, "store.defect.lesson")):
         try:
             with database.reading() as connection:
-                wrong = [row for row in connection.execute(select(table)) if not has_plant(row)]
+                wrong = [row for row in connection.execute(select(table)) if not has_text(row)]
         except StoreError as error:
             return [error.problem]
         defects += [Message(code, id=_shown(row.id), version=row.version or 0) for row in wrong]

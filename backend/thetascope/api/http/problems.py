@@ -13,8 +13,8 @@ from starlette.responses import Response
 from thetascope.api.http.language import language_of
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message, words
-from thetascope.runs.plants.my_plants import NoRoomForPlants
 from thetascope.runs.records.record_files import NoRoom
+from thetascope.runs.saved_texts import NoRoomForTexts
 from thetascope.runs.specs.problem_documents import problem, refused
 from thetascope.runs.specs.refusals import (
     Busy,
@@ -111,7 +111,7 @@ async def _refusal(request: Request, error: Refusal) -> Response:
         OverLimit: 429,
         NotOwner: 403,
         NoRoom: 413,
-        NoRoomForPlants: 413,
+        NoRoomForTexts: 413,
         NotReady: 409,
         LimitReached: 422,
         Crashed: 500,

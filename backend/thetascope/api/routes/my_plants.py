@@ -23,7 +23,7 @@ from thetascope.runs.plants.text_edit import edited_as
 from thetascope.runs.specs.refusals import Busy, OverLimit, invalid
 from thetascope.runs.specs.resolve_spec import plant_of
 from thetascope.runs.workers.limits import Crashed, LimitReached
-from thetascope.store import PlantVersion
+from thetascope.store import TextVersion
 from thetascope_schemas.service.plants.saved import MyPlant, MyPlantList
 from thetascope_schemas.service.plants.text import EditedText, PlantTextCheck, TextEdit
 
@@ -128,16 +128,16 @@ async def _text(request: Request, services: Services) -> str:
         raise invalid("", None, Message("document.no-utf8", name="plant", byte=error.start)) from None
 
 
-def line(plant: PlantVersion, by: Principal) -> dict[str, Any]:
+def line(plant: TextVersion, by: Principal) -> dict[str, Any]:
     """Return a version of a plant as an entry of a list."""
     names = ("id", "version", "title", "format", "faults", "ready", "saved")
     own = {"mine": by.acts_for(plant.owner), "href": _address(plant)}
     return {name: getattr(plant, name) for name in names} | own
 
 
-def _whole(plant: PlantVersion, by: Principal) -> dict[str, Any]:
+def _whole(plant: TextVersion, by: Principal) -> dict[str, Any]:
     return line(plant, by) | {"text": plant.text}
 
 
-def _address(plant: PlantVersion) -> str:
+def _address(plant: TextVersion) -> str:
     return f"/api/my-plants/{plant.id}?version={plant.version}"

@@ -112,7 +112,7 @@ def find_lesson(services: Services, id: str, by: Principal) -> CourseLesson:
     lesson = library.course().get(id)
     if lesson is not None:
         return lesson
-    saved = services.my_lessons.find(id, by)
+    saved = services.my_lessons.find(id, None, by)
     if saved is None:
         raise Unknown(Message("course.unknown", id=id[:80]))
     return lesson_of(saved)

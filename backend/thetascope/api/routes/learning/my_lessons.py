@@ -18,7 +18,7 @@ from thetascope.engine.errors import SpecError
 from thetascope.live.facts.play_step import play_step
 from thetascope.runs.lessons.my_lessons import check_lesson, lesson_line, lesson_of, lesson_text
 from thetascope.runs.specs.refusals import from_engine
-from thetascope.store import PlantVersion
+from thetascope.store import TextVersion
 from thetascope_schemas.service.learning.course import CourseLesson
 from thetascope_schemas.service.learning.played import Played, PlayRequest
 from thetascope_schemas.service.learning.saved import MyLesson, MyLessonList
@@ -55,7 +55,7 @@ async def save_my_lesson(request: Request, services: Use) -> Response:
 def get_my_lesson(request: Request, id: str, services: Use) -> Response:
     """Return the latest version of a lesson, in all languages."""
     by = principal_of(request.scope)
-    return json_response(_whole(services.my_lessons.get(id, by), by))
+    return json_response(_whole(services.my_lessons.get(id, None, by), by))
 
 
 @router.delete("/my-lessons/{id}", status_code=204, responses=documented(403, 404))
@@ -98,7 +98,7 @@ async def play_lesson_step(request: Request, services: Use) -> Response:
     return json_response(played.model_dump(mode="json"))
 
 
-def _whole(saved: PlantVersion, by: Principal) -> dict[str, Any]:
+def _whole(saved: TextVersion, by: Principal) -> dict[str, Any]:
     lesson = lesson_of(saved)
     data = lesson.model_dump(mode="json", exclude_none=True, context={"language": "*"})
     return lesson_line(saved, by) | {"lesson": data}

@@ -2,9 +2,9 @@
 
 import pytest
 
-from thetascope.store import Damaged, Database, PlantStore, PlantVersion, backup, restore, verify
-from thetascope.store.plant_store import ROW
+from thetascope.store import Damaged, Database, PlantStore, TextVersion, backup, restore, verify
 from thetascope.store.tables import PLANTS
+from thetascope.store.text_store import ROW
 
 
 @pytest.fixture
@@ -14,8 +14,8 @@ def database(place):
     opened.close()
 
 
-def plant(text: str, owner: str = "ann", id: str = "tank", saved: float = 1.0) -> PlantVersion:
-    return PlantVersion(owner, id, 0, "A tank", "yaml", 2, True, text, saved)
+def plant(text: str, owner: str = "ann", id: str = "tank", saved: float = 1.0) -> TextVersion:
+    return TextVersion(owner, id, 0, "A tank", "yaml", 2, True, text, saved)
 
 
 def test_each_change_of_a_text_is_a_version(database):
