@@ -44,7 +44,7 @@ def test_a_record_plays_row_by_row(own):
     assert own.rows("ada", 110.0).shape == (2, 101) and own.time("ada", 110.0) == pytest.approx(2.0)
     assert own.next_row("ada", 110.05) == pytest.approx(0.05) and own.next_row("ada", 150.0) is None
     assert own.left(110.0) == 70.0
-    own.revealed = True
+    own.shown.set()
     assert own.rows("ada", 110.0).shape == (2, 401) and own.left(110.0) is own.next_row("ada", 110.0) is None
 
 
@@ -80,7 +80,7 @@ def test_outcomes_come_with_the_reveal(own):
     own.answer("ada", answer(), 125.0)
     own.answer("bob", answer(), 120.0)
     assert outcome_of(own, "ada") is None and rank_of(own, "ada") is None
-    own.revealed = True
+    own.shown.set()
     ada = outcome_of(own, "ada")
     assert ada.right and ada.after == pytest.approx(3.0) and ada.fault == FAULT and ada.told == 2.0
     assert (rank_of(own, "bob"), rank_of(own, "ada")) == (1, 2)

@@ -139,7 +139,7 @@ class Room:
 
     def reveal(self, now: float) -> None:
         """Show the hidden faults, and grade the answers. Raises NotReady."""
-        self.own().revealed = True
+        self.own().shown.set()
         self.touch(now)
         self.changed()
         self.restart_curves()

@@ -43,7 +43,12 @@ def record_of(key: str, setup: str) -> ClassRecord:
     return ClassRecord((measured - predicted.T).astype("<f4"))
 
 
-def material_of(_report: Any, key: str, setup: str) -> Material:
+def material_of(key: str, setup: str) -> Material:
     """Return what answers to a key are graded with. Takes some seconds of processor time."""
     drawn = draw(key, setup)
     return Material(truth_of(setup, drawn.program, drawn.fault), detector_answer(drawn))
+
+
+def early_material_of(_report: Any, key: str, setup: str) -> Material:
+    """Return the same, as a task that has time."""
+    return material_of(key, setup)

@@ -1,4 +1,4 @@
-"""A round in which each student has a record of his own with a hidden fault, played to him row by row."""
+"""A round in which each student has a record of their own with a hidden fault, played row by row."""
 
 import asyncio
 import logging
@@ -11,7 +11,7 @@ import numpy as np
 
 from thetascope.classroom.faults.computing import Computing
 from thetascope.messages import Message
-from thetascope.runs.specs.refusals import NotReady, Refusal, invalid
+from thetascope.runs.specs.refusals import NotReady, invalid
 from thetascope_schemas.service.classroom.requests import AnswerRequest
 from thetascope_schemas.service.learning.challenge import MOST_ACCUSATIONS, Accusation, ChallengeAnswer
 from thetascope_schemas.service.learning.mystery import MysterySetup
@@ -24,6 +24,8 @@ log = logging.getLogger(__name__)
 DISTINCT = 24
 """Different hidden faults of one round. With more students than that, some share one: what could be told of one takes
 seconds of processor time."""
+_AGAIN = (0.0, 2.0, 10.0)
+"""Seconds before each attempt to compute what answers are graded with."""
 _PLAYED = 0.5
 """Share of the round's time in which the record is played; the rest is for thinking."""
 
@@ -45,19 +47,25 @@ class OwnRound:
         setup: plant, inputs and suspects.
         seconds: time for the answers.
         started: when the first record could be played; the time runs from then on.
+        shown: set by the reveal.
     """
 
     number: int
     setup: MysterySetup
     seconds: float
     started: float | None = None
-    revealed: bool = False
+    shown: asyncio.Event = field(default_factory=asyncio.Event)
     seats: dict[str, Seat] = field(default_factory=dict)
     answers: dict[str, ChallengeAnswer] = field(default_factory=dict)
     records: dict[int, "ClassRecord"] = field(default_factory=dict)
     materials: dict[int, "Material"] = field(default_factory=dict)
     secret: str = field(default_factory=lambda: token_hex(16))
     tasks: set["asyncio.Task[None]"] = field(default_factory=set)
+
+    @property
+    def revealed(self) -> bool:
+        """Return whether the hidden faults are shown."""
+        return self.shown.is_set()
 
     @property
     def pace(self) -> float:
@@ -153,8 +161,6 @@ class OwnRound:
             return True
         try:
             self.records[place] = await computing.record(self.key(place), self.setup.id)
-        except Refusal:  # the service ends
-            return False
         except Exception:
             log.exception("a record of a classroom could not be computed")
             return False
@@ -162,11 +168,12 @@ class OwnRound:
 
     async def examine(self, place: int, computing: Computing) -> None:
         """Compute what answers about the fault of a place are graded with."""
-        if place not in self.materials:
-            try:
-                self.materials[place] = await computing.material(self.key(place), self.setup.id)
-            except Refusal:  # the service ends
+        for pause in _AGAIN:
+            if place in self.materials:
                 return
+            await asyncio.sleep(pause)
+            try:
+                self.materials[place] = await computing.material(self.key(place), self.setup.id, self.shown)
             except Exception:
                 log.exception("the truth of a classroom could not be computed")
 
