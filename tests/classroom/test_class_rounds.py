@@ -71,7 +71,7 @@ def test_answers_count_until_the_time_is_up(own):
 
 
 def test_outcomes_come_with_the_reveal(own):
-    """Before it there is none, whatever is known; the rank is that of the right answers by the time after the fault."""
+    """Before it an answer has no outcome; then right answers are ranked by the time after the fault."""
     own.materials[0] = own.materials[1] = Material(
         TRUTH, ChallengeAnswer(verdict="channel", channel="gain_loss", at=3.0)
     )

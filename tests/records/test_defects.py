@@ -97,7 +97,7 @@ def test_a_unit_that_does_not_suit_the_plant_is_doubtful(head, cell, proposal):
 
 @pytest.mark.parametrize("head", ["t [s],q,y [cm]", "t,q [cm3/s],y"])
 def test_a_written_unit_is_believed(head):
-    """It may not suit the plant, but it is no guess."""
+    """It may not suit the plant, but nothing was guessed."""
     found = inspected(text([[t, q, y * 2.5] for t, q, y in rows()], head))
     assert all(f.kind != "unit" for f in found.findings)
 

@@ -46,7 +46,7 @@ GENERAL = ("adaptive-kalman", "adaptive-kalman-discrete", "joint-ekf", "joint-uk
 
 
 def batched(items: tuple[str, ...], most: int) -> list[tuple[str, ...]]:
-    """Return items in groups of at most so many."""
+    """Return items in groups of at most `most`."""
     return [items[i : i + most] for i in range(0, len(items), most)]
 
 

@@ -64,7 +64,7 @@ class FollowRound:
         return tuple(votes.count(place) for place in range(len(card.options)))
 
     def mark(self, student: str) -> Marked:
-        """Return whether a student's vote was right; None: there is none, or the step was not run."""
+        """Return whether a student's vote was right; None: no vote, or the step was not run."""
         step = self.step
         return None if step is None else mark_of(step, student)
 
@@ -83,7 +83,7 @@ class FollowRound:
 
 
 def mark_of(step: Step, student: str) -> Marked:
-    """Return whether a student's vote for a step was right; None: there is none, or it was not judged."""
+    """Return whether a student's vote for a step was right; None: no vote, or it was not judged."""
     choice = step.votes.get(student)
     if choice is None or step.lead.phase != "after" or choice >= len(step.lead.right):
         return None

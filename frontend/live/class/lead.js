@@ -136,7 +136,10 @@ class Lead {
 /** @param {Lesson} lesson */
 const stepName = ({view}) => `${view.plan.id} ${view.place + 1}`;
 
-/** Words for the wire, in both languages. @param {service.Words | {readonly [language: string]: string} | string} text */
+/**
+ * Words for the wire, in both languages.
+ * @param {service.Words | {readonly [language: string]: string} | string} text
+ */
 function words(text) {
   if (typeof text === 'string') return {en: text, zh: text};
   const known = /** @type {{[language: string]: string}} */ (text);

@@ -36,7 +36,11 @@ export function voteBar(place) {
   );
 }
 
-/** The votes after the step was run, right ones filled. @param {service.CourseStep} step @param {service.Judged | null} judged */
+/**
+ * The votes after the step was run, right ones filled.
+ * @param {service.CourseStep} step
+ * @param {service.Judged | null} judged
+ */
 export function votesAfter(step, judged) {
   const {votes} = lead;
   if (!votes || !step.answers?.length) return null;

@@ -40,7 +40,8 @@ export function label(row, app) {
   labelAll(row);
   const sign = h('span', {class: `sign${wordy ? ' wordy' : ''}`, role: 'term'}, signOf(strip, app.state.plant));
   explain(sign, () => t(`page.explain.${strip.kind}`, {strip: words}));
-  const long = app.state.lesson && strip.unit ? `${words} (${strip.unit})` : words; // a student has not read the equations
+  // A student has not read the equations.
+  const long = app.state.lesson && strip.unit ? `${words} (${strip.unit})` : words;
   fill(row.label, sign, open, h('small', {title: words + unit}, long));
   row.element.style.setProperty('--weight', String(strip.weight));
   row.element.dataset.kind = strip.kind;

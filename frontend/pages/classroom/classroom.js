@@ -220,7 +220,8 @@ export class Classroom {
   }
 
   draw() {
-    document.title = `${this.room ? t('page.classroom.room', {code: this.room.code}) : t('page.classroom.title')} · Thetascope`;
+    const title = this.room ? t('page.classroom.room', {code: this.room.code}) : t('page.classroom.title');
+    document.title = `${title} · Thetascope`;
     fill(query('.skip'), t('page.classroom.skip'));
     document.documentElement.classList.toggle('wall-page', this.room !== null);
     const focused = document.activeElement instanceof HTMLElement ? document.activeElement.dataset.keep : undefined;

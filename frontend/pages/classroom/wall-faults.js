@@ -12,7 +12,11 @@ import {outcomeView} from './record-pictures.js';
 /** What an answer counts as in the histogram. @param {service.ChallengeAnswer} answer */
 const kindOf = ({verdict, channel}) => (verdict === 'channel' ? `channel ${channel}` : verdict);
 
-/** The histogram: right ones filled, others hollow. @param {service.RoundView} round @param {readonly service.Tile[]} all */
+/**
+ * The histogram: right ones filled, others hollow.
+ * @param {service.RoundView} round
+ * @param {readonly service.Tile[]} all
+ */
 export function histogram(round, all) {
   if (!round.revealed)
     return h(
@@ -61,7 +65,11 @@ export function histogram(round, all) {
   );
 }
 
-/** A dot for each answer over the seconds since its fault began. @param {service.RoundView} round @param {readonly service.Tile[]} all */
+/**
+ * A dot for each answer over the seconds since its fault began.
+ * @param {service.RoundView} round
+ * @param {readonly service.Tile[]} all
+ */
 export function howFast(round, all) {
   if (!round.revealed) return null;
   const dots = all.flatMap(({outcome}) =>
@@ -143,7 +151,12 @@ function niceEnd(value) {
   return power * ([1, 2, 4, 5, 10].find((one) => one * power >= value) ?? 10);
 }
 
-/** The replay of the tile that is open. @param {Classroom} page @param {service.RoundView} round @param {service.Tile} tile */
+/**
+ * The replay of the tile that is open.
+ * @param {Classroom} page
+ * @param {service.RoundView} round
+ * @param {service.Tile} tile
+ */
 export function replay(page, round, tile) {
   const name = page.nameOf(tile);
   const {outcome, answer} = tile;

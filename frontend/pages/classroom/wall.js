@@ -35,7 +35,11 @@ export function drawWall(page, room, state) {
   );
 }
 
-/** What is below the tiles: a replay, what to begin, what to show. @param {Classroom} page @param {service.WallView} state */
+/**
+ * What is below the tiles: a replay, what to begin, what to show.
+ * @param {Classroom} page
+ * @param {service.WallView} state
+ */
 function below(page, {round, tiles: all}) {
   const open = round?.kind === 'own' ? all.find(({id}) => id === page.open) : undefined;
   return [

@@ -92,7 +92,13 @@ const which = (phone, round, draft) =>
     ),
   );
 
-/** @param {Phone} phone @param {string} words @param {boolean} checked @param {string} keep @param {() => void} choose */
+/**
+ * @param {Phone} phone
+ * @param {string} words
+ * @param {boolean} checked
+ * @param {string} keep
+ * @param {() => void} choose
+ */
 const option = (phone, words, checked, keep, choose) =>
   h(
     'label',

@@ -58,7 +58,11 @@ export class Phone {
     return this.draw();
   }
 
-  /** Take a place in a room. @param {string} path @param {object} by   its code, or a launch from a learning platform */
+  /**
+   * Take a place in a room.
+   * @param {string} path
+   * @param {object} by   its code, or a launch from a learning platform
+   */
   async join(path, by) {
     this.problem = '';
     try {

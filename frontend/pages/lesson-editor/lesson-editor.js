@@ -181,7 +181,10 @@ export class Editor {
     }
   }
 
-  /** Whether each answer is right in the recording, and since when; and the numbers. @param {service.Played | null} played */
+  /**
+   * Whether each answer is right in the recording, and since when; and the numbers.
+   * @param {service.Played | null} played
+   */
   showTruth(played) {
     const deed = played?.deeds[0];
     for (const line of this.form.querySelectorAll('.truth-line')) {

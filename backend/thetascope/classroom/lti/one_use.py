@@ -36,12 +36,12 @@ class OneUse(Generic[Value]):
         return secret
 
     def look(self, secret: str) -> Value | None:
-        """Return a value that is kept, and keep it; None if there is none."""
+        """Return a value that is kept, and keep it; None if it is not kept."""
         end, value = self._kept.get(digest(secret), (0.0, None))
         return value if end > self._clock() else None
 
     def take(self, secret: str) -> Value | None:
-        """Return a value, and keep it no longer; None if there is none, or it was taken."""
+        """Return a value, and keep it no longer; None if it is not kept, or was taken."""
         value = self.look(secret)
         self._kept.pop(digest(secret), None)
         return value

@@ -14,7 +14,7 @@ from thetascope.messages import Message
 _POINTS = {"tex": 1000}
 """Most points of a curve where they are fewer than on a screen: TeX's memory is small."""
 _HEIGHTS = ((1, 4.6), (2, 3.2), (4, 2.5), (200, 2.0))
-"""Height of a panel in cm for up to so many panels."""
+"""Height of a panel in cm, by the number of panels up to which it holds."""
 _TALLEST = 24.0
 _FRAME = 0.5
 """Width of the axes' lines in pt."""

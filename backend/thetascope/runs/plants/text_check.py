@@ -220,7 +220,7 @@ def _sizes(plant: Plant) -> PlantSizes:
 
 
 def title_in(document: Document, language: str) -> str:
-    """Return the title in a text, also of a plant with errors; "" if there is none."""
+    """Return the title in a text, also of a plant with errors; "" if it has no title."""
     title = document.data.get("title") if isinstance(document.data, dict) else None
     if isinstance(title, dict):
         title = title.get(language, next(iter(title.values()), ""))

@@ -76,7 +76,11 @@ function sentences(game, {truth, answer, score, detector, detector_score: other}
   return parts.join(game.language === 'zh' ? '' : ' ');
 }
 
-/** The strip that shows most, with the fault and both marks. @param {Game} game @param {service.MysterySolution} solution */
+/**
+ * The strip that shows most, with the fault and both marks.
+ * @param {Game} game
+ * @param {service.MysterySolution} solution
+ */
 function picture(game, {truth, answer, detector}) {
   const {mystery} = game;
   const {fault, end} = truth;

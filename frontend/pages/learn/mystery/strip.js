@@ -28,7 +28,8 @@ const HATCH = 7; // px between slanted lines
 export class Strip {
   /**
    * @param {{label: Child, words: string, end: number, record: number, height: number, least: number, axis: boolean,
-   *   point?: (t: number) => void}} options   `least`: half height of the range at least; `point`: a time was pointed at
+   *   point?: (t: number) => void}} options   `least`: half height of the range at least; `point`: called with a time
+   *   that was pointed at
    */
   constructor(options) {
     this.options = options;
@@ -187,7 +188,8 @@ function hatching(left, right, top, bottom) {
   let text = '';
   for (let x = left - (bottom - top); x < right; x += HATCH) {
     const [begin, end] = [Math.max(left, x), Math.min(right, x + bottom - top)];
-    text += `M${begin.toFixed(1)} ${(bottom - begin + x).toFixed(1)}L${end.toFixed(1)} ${(bottom - end + x).toFixed(1)}`;
+    const [from, to] = [bottom - begin + x, bottom - end + x];
+    text += `M${begin.toFixed(1)} ${from.toFixed(1)}L${end.toFixed(1)} ${to.toFixed(1)}`;
   }
   return text;
 }

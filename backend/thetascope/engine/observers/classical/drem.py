@@ -12,7 +12,7 @@ equation for each fault: while θ is constant |θ̂ᵢ − θᵢ| never grows, w
 
 M is counted in typical faults. Divided by μ > 0, which leaves every equation as it is, Δ is of the size of the smallest
 eigenvalue of M: 1 where, within 1/ℓ, the least visible combination of typical faults changes the outputs by as much as
-the noise. At much less θ̂ stands still instead of following noise, at much more it converges at the rate γ.
+the noise. At much less θ̂ hardly moves instead of following noise, at much more it converges at the rate γ.
 """
 
 from __future__ import annotations

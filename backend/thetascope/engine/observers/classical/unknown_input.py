@@ -4,9 +4,10 @@
     ξ' = (y − ξ)/τ + C f(x̂, u),   θ̂' = ((CΦ)⁺(y − ξ)/τ − θ̂)/τ
 
 Chen & Patton, Robust Model-Based Fault Diagnosis, 1999, ch. 3. H = Φ(CΦ)⁺, so (I − HC)Φ = 0 and the faults that it
-estimates do not reach the error x − x̂, whatever they do: e' = ((I − HC)A − KC)e. It exists where rank(CΦ) = rank(Φ) and
-the invariant zeros of (A, Φ, C) are stable. The gains belong to the linearisation along the healthy run; f is the
-plant's own, as in the extended observer of Witczak, Obuchowicz & Korbicz, Int. J. Control 75(13), 2002.
+estimates do not reach the error x − x̂, whatever they do: e' = ((I − HC)A − KC)e. It exists where rank(CΦ) =
+rank(Φ) and the invariant zeros of (A, Φ, C) are stable. The gains belong to the linearisation along the healthy
+run; f is the plant's own, as in the extended observer of Witczak, Obuchowicz & Korbicz, Int. J. Control 75(13),
+2002.
 
 The residual r reacts to all other faults only. A set of such observers, each with other channels, therefore has
 structured residuals: the fault is among the channels of the one whose residual stays at the noise. θ̂ is the part of

@@ -7,9 +7,9 @@ for the plants of linear_adaptive.py, its baseline ρ = 0. ⌊e⌉^α = |e|^α s
 than the output, so F is taken of e1/e0 and multiplied by e0, an error of the output's size; e0 = 1 in the paper.
 
 In print "k = KC" means k = K, and "0 < α < 1 − 1/(n−1)", which is empty for n = 2, is read 1 − 1/n < α < 1: then all
-exponents are positive. The option form "paper-example" writes the observer of the paper's section 3 as it stands
-there: without γ, with the exponent 2α − 1 in both lines and ρ² for ρ k2. It is no case of (11), and its numbers belong
-to the paper's units.
+exponents are positive. The option form "paper-example" writes the observer of the paper's section 3 as printed
+there: without γ, with the exponent 2α − 1 in both lines and ρ² for ρ k2. It is not a case of (11), and its numbers
+belong to the paper's units.
 """
 
 from __future__ import annotations
