@@ -12,7 +12,7 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.model.plant_model import clock
 from thetascope.engine.model.result import CANNOT_TELL, Check
 from thetascope.engine.observers.classical.design import DISTINCT, Point, distinctness, mirrored, operating_point
-from thetascope.engine.observers.support.common_checks import NO_ESTIMATE, verdict
+from thetascope.engine.observers.support.common_checks import NO_ESTIMATE, NOTHING, verdict
 from thetascope.engine.observers.support.declaration import Context, Observed
 from thetascope.engine.observers.support.draft import Draft
 from thetascope.engine.observers.support.draft_linalg import solve
@@ -83,6 +83,8 @@ def require_still_outputs(d: Draft) -> None:
 def matching(run: Observed, source: str) -> Check:
     """Check rank(CΦ) = rank(Φ) along the run, by the singular values of CΦ."""
     name = Message("check.rank-condition")
+    if not run.channels:
+        return Check(name, CANNOT_TELL, NOTHING, source=source)
     if not run.facts["linearised"]:
         return too_large(name, run, source)
     matrices, rate = scaled_matrices(run), pace(run.context)

@@ -9,6 +9,7 @@ from thetascope.engine.observers.support.declaration import Observed
 from thetascope.messages import Message
 
 NO_VALUE = Message("check.no-value")
+NOTHING = Message("check.nothing")
 NO_ESTIMATE = Message("check.no-estimate")
 _HELD = 0.9  # of its bound, at which forgetting no longer lets a covariance grow
 _GREEK = {"Gamma": "Γ", "Upsilon": "Υ", "Omega": "Ω"}
@@ -86,8 +87,10 @@ def _earliest(run: Observed) -> int:
 
 
 def smallest_eigenvalue(gramian: np.ndarray, run: Observed) -> np.ndarray:
-    """Return λmin at about a hundred rows per window, held in between."""
+    """Return λmin at about a hundred rows per window, held in between; NaN without faults to estimate."""
     values = np.full(len(gramian), np.nan)
+    if gramian.shape[1] == 0:
+        return values
     begin = _earliest(run)
     rows = np.arange(begin, len(gramian))
     finite = np.isfinite(gramian[begin:]).all(axis=(1, 2))
@@ -102,8 +105,6 @@ def smallest_eigenvalue(gramian: np.ndarray, run: Observed) -> np.ndarray:
 
 def excitation(run: Observed) -> np.ndarray:
     """Return λmin of the windowed Gramian of Ω along the run (rows of the record)."""
-    if not run.channels:
-        return np.full(len(run.values["t"]), np.nan)
     omega = run.matrix("Omega", run.context.m, len(run.channels))
     return smallest_eigenvalue(windowed_gramian(omega, run), run)
 
@@ -123,7 +124,8 @@ def excitation_above(run: Observed, level: np.ndarray, source: str, found: str) 
     name, window, delta = Message("check.excitation"), run.gain("window"), run.gain("delta")
     finite = level[np.isfinite(level)]
     if not len(finite):
-        return Check(name, CANNOT_TELL, Message("check.window.short", window=window), None, delta, source)
+        why = Message("check.window.short", window=window) if run.channels else NOTHING
+        return Check(name, CANNOT_TELL, why, None, delta, source)
     value = float(finite[len(finite) // 10 :].min())  # the theorem does not apply to the first windows
     text = Message(found, window=window, value=value, level=delta)
     return Check(name, verdict(value >= delta), text, value, delta, source)
@@ -138,7 +140,7 @@ def positive_definite(run: Observed, name: str, size: int, source: str) -> Check
     matrices = run.matrix(name, size, size, symmetric=True)
     finite = matrices[np.isfinite(matrices).all(axis=(1, 2))]
     if not len(finite) or not size:
-        return Check(title, CANNOT_TELL, NO_VALUE if size else Message("check.nothing"), None, 0.0, source)
+        return Check(title, CANNOT_TELL, NO_VALUE if size else NOTHING, None, 0.0, source)
     picked = finite[np.unique(np.linspace(0, len(finite) - 1, 200).astype(int))]
     value = float(np.linalg.eigvalsh(_unit_diagonal(picked)).min())
     return Check(title, verdict(value > 0), Message("check.definite.smallest", value=value), value, 0.0, source)
