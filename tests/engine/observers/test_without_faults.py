@@ -16,7 +16,10 @@ PLANT = {
     "outputs": [{"name": "y", "expression": "h"}],
 }
 CONTINUOUS = PLANT | {"time": {"kind": "continuous"}, "dynamics": {"h": "g - h", "g": "q - g"}}
-DISCRETE = PLANT | {"time": {"kind": "discrete", "period": 1.0}, "dynamics": {"h": "0.5*h + 0.5*g", "g": "0.8*g + 0.2*q"}}
+DISCRETE = PLANT | {
+    "time": {"kind": "discrete", "period": 1.0},
+    "dynamics": {"h": "0.5*h + 0.5*g", "g": "0.8*g + 0.2*q"},
+}
 #: Those whose equations need faults, or another plant.
 REFUSED = {"nonsmooth-adaptive", "linear-adaptive", "sandwich-nonsmooth", "sandwich-conventional"}
 
