@@ -40,9 +40,10 @@ bench: ## Measure speed
 	$(HERE)@$(PYTHON) tools/environment.py bench
 	@$(BIN)/python -m benchmarks $(ARGS)
 
-docs: ## Write docs/observers.md, docs/dependencies.md and the page's types from their sources
+docs: ## Write the generated pages of docs and the page's types from their sources
 	$(HERE)@$(PYTHON) tools/environment.py dev
 	@$(BIN)/python -m tools.document_observers
+	@$(BIN)/python -m tools.document_papers
 	@$(BIN)/python -m tools.page_types
 	@$(BIN)/python -m tools.list_licences
 

@@ -370,6 +370,13 @@ export interface ChoiceInput {
   do?: (Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | SetTruthNow | AddObserverNow | RemoveObserverNow | AddNote | RemoveNote | Reset)[];
 }
 
+/** Who published a paper, under which title, and where. */
+export interface Citation {
+  authors: Words;
+  title: Words;
+  journal: Words;
+}
+
 /** A plant in which faults can be hidden. */
 export interface ClassSetup {
   id: string;
@@ -680,7 +687,7 @@ export interface CourseStep {
   /** Of a step with choices, a dial or a sketch. */
   right_if: (Condition)[];
   run: StepRun | null;
-  measures: {[name: string]: Settles | Level | Crosses | Counts | Found | Diverged | GainNow};
+  measures: {[name: string]: Settles | Level | Crosses | Counts | Decays | Rises | Found | Diverged | GainNow};
   /** The first whose conditions hold is shown. */
   saw: (Saw)[];
   /** Where to look first after a wrong answer. */
@@ -708,7 +715,7 @@ export interface CourseStepInput {
   /** Of a step with choices, a dial or a sketch. */
   right_if?: (ConditionInput)[];
   run?: StepRunInput | null;
-  measures?: {[name: string]: SettlesInput | LevelInput | CrossesInput | CountsInput | FoundInput | DivergedInput | GainNowInput};
+  measures?: {[name: string]: SettlesInput | LevelInput | CrossesInput | CountsInput | DecaysInput | RisesInput | FoundInput | DivergedInput | GainNowInput};
   /** The first whose conditions hold is shown. */
   saw?: (SawInput)[];
   /** Where to look first after a wrong answer. */
@@ -808,6 +815,30 @@ export interface CurvesHead {
   row: number;
   /** Length of the axis of time in s; null: it grows. */
   horizon: number | null;
+}
+
+/** The rate in 1/s at which |column|, or the distance of two, falls: that of a line through its logarithm. */
+export interface Decays {
+  kind: 'decays';
+  /** A column of the session, say y.y1. */
+  column: string;
+  minus: string | null;
+  /** Time in s after the mark. */
+  start: number;
+  /** None: until the end of the step. */
+  end: number | null;
+}
+
+/** The rate in 1/s at which |column|, or the distance of two, falls: that of a line through its logarithm. */
+export interface DecaysInput {
+  kind: 'decays';
+  /** A column of the session, say y.y1. */
+  column: string;
+  minus?: string | null;
+  /** Time in s after the mark. */
+  start?: number;
+  /** None: until the end of the step. */
+  end?: number | null;
 }
 
 /** An intermediate quantity. Observers saturate it to its domain; the plant does not. */
@@ -1070,6 +1101,15 @@ export interface EquationsRequest {
   observers?: (string)[] | null;
 }
 
+/** What a paper prints, what is used in its place, and why. */
+export interface Erratum {
+  printed: Words;
+  used: Words;
+  reason: Words;
+  /** Null: reading is enough, no run shows it. */
+  evidence: Evidence | null;
+}
+
 /** The figures of one estimate of an observer over a window. */
 export interface EstimateInWindow {
   /** Column of the true value: x.… of a state, theta.… of a fault. */
@@ -1100,6 +1140,14 @@ export interface Event {
   value: JsonValue;
   /** The event in a sentence. */
   message: Text;
+}
+
+/** A run that shows an erratum. */
+export interface Evidence {
+  experiment: string;
+  /** Name of a figure of the run. */
+  figure: string;
+  numbers: (PaperNumber)[];
 }
 
 /** Excitation of the faults: the smallest eigenvalue of the windowed Gramian of Ω, in units of typical faults. */
@@ -1908,10 +1956,10 @@ export interface LessonQuestion {
   do: ({[name: string]: JsonValue})[];
 }
 
-/** The mean, standard deviation, greatest, least or last value of a column, or of the difference of two. */
+/** The mean, standard deviation, greatest, least, last or root-mean-square value of a column or a difference. */
 export interface Level {
   kind: 'level';
-  take: 'mean' | 'std' | 'max' | 'min' | 'last';
+  take: 'mean' | 'std' | 'max' | 'min' | 'last' | 'rms';
   /** A column of the session, say y.y1. */
   column: string;
   minus: string | null;
@@ -1921,10 +1969,10 @@ export interface Level {
   end: number | null;
 }
 
-/** The mean, standard deviation, greatest, least or last value of a column, or of the difference of two. */
+/** The mean, standard deviation, greatest, least, last or root-mean-square value of a column or a difference. */
 export interface LevelInput {
   kind: 'level';
-  take: 'mean' | 'std' | 'max' | 'min' | 'last';
+  take: 'mean' | 'std' | 'max' | 'min' | 'last' | 'rms';
   /** A column of the session, say y.y1. */
   column: string;
   minus?: string | null;
@@ -1990,6 +2038,17 @@ export interface MeasureRow {
   unit: string;
   /** Value in each run; null: it has none. */
   values: (number | null)[];
+}
+
+/** The measured numbers by name. */
+export interface Measured {
+  /** In the unit of the column, or in s; null: there is none. */
+  values: {[name: string]: number | null};
+}
+
+/** What to measure in a run, by names that the client chooses. */
+export interface MeasuresRequest {
+  measures: {[name: string]: SettlesInput | LevelInput | CrossesInput | CountsInput | DecaysInput | RisesInput | FoundInput | DivergedInput | GainNowInput};
 }
 
 /** A test that the model failed. */
@@ -2597,6 +2656,80 @@ export interface PanelInput {
   /** Logarithmic vertical axis. */
   log?: boolean;
   traces: (TraceInput)[];
+}
+
+/** A paper as a page shows it. Its id is that of its experiment; variants of that add a word to the id. */
+export interface Paper {
+  id: string;
+  citation: Citation;
+  /** The claim of the paper, in two sentences. */
+  claim: Words;
+  /** How the paper is read here so that its example runs. */
+  reading: Words;
+  equations: (PaperEquation)[];
+  figures: (PaperFigure)[];
+  numbers: (PaperNumber)[];
+  errata: (Erratum)[];
+  /** What of the claims holds. */
+  holds: (Words)[];
+  /** What does not hold, or holds with a restriction only. */
+  fails: (Words)[];
+}
+
+/** An equation of a paper, with its number there. */
+export interface PaperEquation {
+  /** Its number in the paper; empty: it has none. */
+  number: string;
+  /** The formula in TeX, in the paper's notation. */
+  tex: string;
+  /** What it is for, or how it is read here. */
+  about: Words | null;
+}
+
+/** A figure of a paper: what is printed, and the figure of a run that is drawn beside it. */
+export interface PaperFigure {
+  /** Its number in the paper. */
+  number: string;
+  experiment: string;
+  /** Name of a figure of the run. */
+  figure: string;
+  /** What the paper draws, and what its text says about it. */
+  printed: Words;
+  /** How the computed figure agrees or differs. */
+  ours: Words | null;
+}
+
+/** A paper in the list. */
+export interface PaperLine {
+  id: string;
+  citation: Citation;
+  claim: Words;
+}
+
+/** The papers whose experiments the library has. */
+export interface PaperList {
+  papers: (PaperLine)[];
+}
+
+/** A number that is measured in a run, beside the one that the paper prints. */
+export interface PaperNumber {
+  what: Words;
+  /** What the paper says; null: nothing. */
+  printed: Words | null;
+  experiment: string;
+  measure: Settles | Level | Crosses | Counts | Decays | Rises | Found | Diverged | GainNow;
+  unit: string;
+  /** The value of an independent computation; null: there is none. */
+  expected: number | null;
+  /** How far the measured value may be from it, in the same unit. */
+  within: number;
+}
+
+/** A paper and its equations as MathML. */
+export interface PaperPage {
+  paper: Paper;
+  /** MathML of each equation, in their order. */
+  equations: (string)[];
 }
 
 /** One constant of the plant, which an experiment may override. */
@@ -3694,6 +3827,30 @@ export interface Rewound {
   t: number;
 }
 
+/** The share of the steps between rows in which a column, or the difference of two, rises: from 0 to 1. */
+export interface Rises {
+  kind: 'rises';
+  /** A column of the session, say y.y1. */
+  column: string;
+  minus: string | null;
+  /** Time in s after the mark. */
+  start: number;
+  /** None: until the end of the step. */
+  end: number | null;
+}
+
+/** The share of the steps between rows in which a column, or the difference of two, rises: from 0 to 1. */
+export interface RisesInput {
+  kind: 'rises';
+  /** A column of the session, say y.y1. */
+  column: string;
+  minus?: string | null;
+  /** Time in s after the mark. */
+  start?: number;
+  /** None: until the end of the step. */
+  end?: number | null;
+}
+
 /** Another explanation of the record, and how long it fitted: by the best size and onset that it can have. */
 export interface Rival {
   /** Name of the channel; empty: no fault. */
@@ -4228,6 +4385,8 @@ export interface Settles {
   within: number;
   /** Time in s after the mark. */
   since: number;
+  /** Where looking ends. None: the end of the rows. */
+  end: number | null;
 }
 
 /** The time in s after `since` from which |column − to| stays within a tolerance; none where it does not. */
@@ -4241,6 +4400,8 @@ export interface SettlesInput {
   within: number;
   /** Time in s after the mark. */
   since?: number;
+  /** Where looking ends. None: the end of the rows. */
+  end?: number | null;
 }
 
 /** The settling of an estimate after one step of a fault. */

@@ -21,6 +21,9 @@ const ALLOWED = new Set([
   'msup',
   'msubsup',
   'mover',
+  'munder',
+  'munderover',
+  'mstyle',
   'mfrac',
   'msqrt',
   'mspace',
@@ -40,6 +43,8 @@ const KEPT = new Set([
   'rspace',
   'width',
   'mathvariant',
+  'columnalign',
+  'columnspacing',
 ]);
 
 /**

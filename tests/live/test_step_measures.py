@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from thetascope.live.facts.step_measures import Readings, columns_of, earliest, measured
+from thetascope.live.facts.step_measures import columns_of, earliest, measured
+from thetascope.runs.results.measures import Readings
 from thetascope_schemas.service.learning.course import CourseStep
 
 T = np.arange(0.0, 10.0, 1.0)

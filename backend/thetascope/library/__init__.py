@@ -1,7 +1,8 @@
-"""The library: plants, experiments and lessons as data, read once and validated by the schemas."""
+"""The library: plants, experiments, lessons and papers as data, read once and validated by the schemas."""
 
 from functools import cache, lru_cache
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -11,7 +12,9 @@ from thetascope.messages import Message
 from thetascope_schemas import Experiment, Plant, ResolvedExperiment
 from thetascope_schemas.service.learning.course import CourseLesson
 from thetascope_schemas.service.learning.mystery import MysterySetup
+from thetascope_schemas.service.learning.paper import Erratum, Paper
 from thetascope_schemas.service.learning.questions import Lesson
+from thetascope_schemas.texts.local_text import LocalText
 from thetascope_schemas.texts.refusal import suggestion
 
 _HERE = Path(__file__).parent
@@ -23,6 +26,7 @@ _SCHEMAS = {
     "lessons": Lesson,
     "course": CourseLesson,
     "mysteries": MysterySetup,
+    "papers": Paper,
 }
 
 
@@ -32,13 +36,31 @@ def _names(folder: str) -> tuple[str, ...]:
 
 
 @cache
-def _read(folder: str, name: str):
+def _read(folder: str, name: str) -> Any:
     """One file, read when it is first used: a run needs two of them, and reading them all takes longer than the run."""
     path = _HERE / folder / f"{name}.yaml"
     item = _SCHEMAS[folder].model_validate(yaml.load(path.read_text(encoding="utf-8"), Loader=_LOADER))
     if item.id != name:
         raise ValueError(f"{path.name}: its id is {item.id!r}; it must be the file's name")
-    return item
+    return _with_errata(item) if folder == "experiments" else item
+
+
+def _with_errata(item: Experiment) -> Experiment:
+    """Return an experiment of a paper with the errata of that paper: they stand in one place."""
+    paper = next((id for id in _names("papers") if item.id == id or item.id.startswith(f"{id}-")), None)
+    if paper is None:
+        return item
+    errata = tuple(
+        LocalText({lang: _erratum(one, lang) for lang in ("en", "zh")}) for one in _read("papers", paper).errata
+    )
+    return item.model_copy(update={"errata": errata})
+
+
+def _erratum(one: Erratum, language: str) -> str:
+    printed, used, reason = (getattr(words, language) or words.en for words in (one.printed, one.used, one.reason))
+    if language == "zh":
+        return f"原文：{printed}。这里：{used}。{reason}"
+    return f"Printed: {printed}. Used here: {used}. {reason}"
 
 
 @lru_cache(maxsize=1)
@@ -70,6 +92,12 @@ def course() -> dict[str, CourseLesson]:
 def mysteries() -> dict[str, MysterySetup]:
     """Return the set-ups from which mysteries are drawn, by id."""
     return {name: _read("mysteries", name) for name in _names("mysteries")}
+
+
+@lru_cache(maxsize=1)
+def papers() -> dict[str, Paper]:
+    """Return the papers by id, in the order of their experiments."""
+    return {name: _read("papers", name) for name in _FIRST if name in _names("papers")}
 
 
 @lru_cache(maxsize=1)

@@ -36,7 +36,7 @@ from thetascope.api.routes import (
 )
 from thetascope.api.routes.classroom import launches, seats, teacher
 from thetascope.api.routes.figures import printed_figures
-from thetascope.api.routes.learning import course, my_lessons, mysteries, questions
+from thetascope.api.routes.learning import course, my_lessons, mysteries, papers, questions
 from thetascope.api.routes.models import equations, gain_defaults, plant_trial, signal_curve
 from thetascope.api.routes.notebook import run_comparison, run_lines
 from thetascope.api.sign_in.require_key import RequireKey
@@ -124,6 +124,7 @@ def _api() -> APIRouter:
         questions,
         course,
         mysteries,
+        papers,
         my_lessons,
         messages,
         my_plants,

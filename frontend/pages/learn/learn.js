@@ -32,6 +32,7 @@ const draw = () => {
       {class: 'learn-lessons'},
       entries.map((entry) => h('li', {}, card(entry, entry === current(entries)))),
       h('li', {class: 'learn-mystery'}, mystery()),
+      h('li', {class: 'wide'}, papersCard()),
       h('li', {class: 'wide'}, teacherCard(lessons, own, again)),
     ),
   );
@@ -148,6 +149,16 @@ function mystery() {
       h('span', {}, t('page.mystery.card.minutes')),
       seeds.length > 0 && h('span', {}, t('page.mystery.card.played', {n: seeds.length, best})),
     ),
+  );
+}
+
+/** The pages of the papers. */
+function papersCard() {
+  return h(
+    'a',
+    {class: 'card learn-card', href: '/learn/papers/'},
+    h('h2', {}, t('page.papers.card.title')),
+    h('p', {}, t('page.papers.card.say')),
   );
 }
 

@@ -27,11 +27,14 @@ const kinds = () => [
   ['max', t('page.editor.take.max')],
   ['min', t('page.editor.take.min')],
   ['std', t('page.editor.take.std')],
+  ['rms', t('page.editor.take.rms')],
   ['settles', t('page.editor.kind.settles')],
   ['above', t('page.editor.kind.above')],
   ['below', t('page.editor.kind.below')],
   ['beyond', t('page.editor.kind.beyond')],
   ['counts', t('page.editor.kind.counts')],
+  ['decays', t('page.editor.kind.decays')],
+  ['rises', t('page.editor.kind.rises')],
   ['found', t('page.editor.kind.found')],
   ['diverged', t('page.editor.kind.diverged')],
   ['gain', t('page.editor.kind.gain')],
@@ -63,6 +66,9 @@ function measureOf(kind, before, {columns, channels, observers}) {
       return {kind: 'crosses', side: kind, column, ...(minus ? {minus} : {}), level};
     case 'counts':
       return {kind, column, ...window, level};
+    case 'decays':
+    case 'rises':
+      return {kind, column, ...window};
     case 'settles':
       return {kind, column, to: before.to ?? columns[1] ?? column, within: before.within ?? 1};
     case 'found':

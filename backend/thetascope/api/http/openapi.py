@@ -23,6 +23,7 @@ from thetascope_schemas.service.figures.printed_figure import PrintSettings
 from thetascope_schemas.service.figures.signal_curve import SignalCurveRequest
 from thetascope_schemas.service.learning.challenge import ChallengeAnswer
 from thetascope_schemas.service.learning.judged import JudgeRequest
+from thetascope_schemas.service.learning.measured import MeasuresRequest
 from thetascope_schemas.service.learning.played import PlayRequest
 from thetascope_schemas.service.notebook.comparison import ComparisonNotes
 from thetascope_schemas.service.notebook.lines import RunNotes
@@ -67,6 +68,7 @@ BODIES = (
     EquationsRequest,
     PrintSettings,
     JudgeRequest,
+    MeasuresRequest,
     PlayRequest,
     RoundRequest,
     LeadRequest,

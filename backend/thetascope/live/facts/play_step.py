@@ -7,8 +7,9 @@ import numpy as np
 
 from thetascope import library
 from thetascope.live.facts.session_facts import FactsMemory, facts_of
-from thetascope.live.facts.step_measures import Readings, judge
+from thetascope.live.facts.step_measures import judge
 from thetascope.live.session.session import Session
+from thetascope.runs.results.measures import Readings
 from thetascope_schemas.service.learning.course import CourseLesson, CourseStep
 from thetascope_schemas.service.learning.judged import Judged
 from thetascope_schemas.service.learning.played import Played, PlayedCurve, PlayedDeed

@@ -1,6 +1,7 @@
-"""What a step of a lesson measures in the student's session, and conditions on the measured numbers.
+"""What is measured in a session or a run, and conditions on the measured numbers.
 
-Times are in s after the step's mark: the time of the session at which the student started the step.
+Times are in s after a mark. In a step of a lesson it is the time of the session at which the student started the step,
+in a run its beginning.
 """
 
 from typing import Annotated, Literal, Self
@@ -31,14 +32,15 @@ class Settles(Strict):
     to: ColumnName | Number = Field(description="Another column, or a number.")
     within: Positive = Field(description="The tolerance, in the column's unit.")
     since: After = 0
+    end: After | None = Field(default=None, description="Where looking ends. None: the end of the rows.")
 
 
 class Level(Strict):
-    """The mean, standard deviation, greatest, least or last value of a column, or of the difference of two."""
+    """The mean, standard deviation, greatest, least, last or root-mean-square value of a column or a difference."""
 
     model_config = example(kind="level", take="std", column="y.y", minus="fast.y.y", start=10.0, end=30.0)
     kind: Literal["level"] = "level"
-    take: Literal["mean", "std", "max", "min", "last"]
+    take: Literal["mean", "std", "max", "min", "last", "rms"]
     column: ColumnName
     minus: ColumnName | None = None
     start: After = 0
@@ -72,6 +74,31 @@ class Counts(Strict):
     end: After | None = Field(default=None, description="None: until the end of the step.")
 
 
+class Decays(Strict):
+    """The rate in 1/s at which |column|, or the distance of two, falls: that of a line through its logarithm.
+
+    None where it is zero or missing in some row.
+    """
+
+    model_config = example(kind="decays", column="adaptive.theta.theta1", minus="theta.theta1", start=43.0, end=50.0)
+    kind: Literal["decays"] = "decays"
+    column: ColumnName
+    minus: ColumnName | None = None
+    start: After = 0
+    end: After | None = Field(default=None, description="None: until the end of the step.")
+
+
+class Rises(Strict):
+    """The share of the steps between rows in which a column, or the difference of two, rises: from 0 to 1."""
+
+    model_config = example(kind="rises", column="adaptive.pe", start=2.0)
+    kind: Literal["rises"] = "rises"
+    column: ColumnName
+    minus: ColumnName | None = None
+    start: After = 0
+    end: After | None = Field(default=None, description="None: until the end of the step.")
+
+
 class Found(Strict):
     """The time in s from `since` to the first alarm of the detector that names a channel; none without one."""
 
@@ -98,7 +125,9 @@ class GainNow(Strict):
     gain: Reference
 
 
-Measure = Annotated[Settles | Level | Crosses | Counts | Found | Diverged | GainNow, Field(discriminator="kind")]
+Measure = Annotated[
+    Settles | Level | Crosses | Counts | Decays | Rises | Found | Diverged | GainNow, Field(discriminator="kind")
+]
 
 
 class Condition(Strict):

@@ -15,9 +15,10 @@ from thetascope.api.http.answers import json_response
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed_as
 from thetascope.api.http.services import Services, Use
-from thetascope.live.facts.step_measures import Readings, columns_of, earliest, judge
+from thetascope.live.facts.step_measures import columns_of, earliest, judge
 from thetascope.messages import Message
 from thetascope.runs.lessons.my_lessons import lesson_of
+from thetascope.runs.results.measures import Readings
 from thetascope.runs.specs.refusals import Unknown, invalid
 from thetascope_schemas.service.answers import CourseList
 from thetascope_schemas.service.learning.course import CourseLesson, CourseStep
