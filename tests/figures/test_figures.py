@@ -135,6 +135,20 @@ def test_divergence_is_shown_and_does_not_set_the_scale(experiment, result, plan
     assert "—" in [a["text"] for a in drawn["layout"]["annotations"]]
 
 
+def test_notes_are_flags_on_the_time_axis(experiment, result, plant):
+    """A line through every strip, one flag above them, and the note as text, not markup; none without a time axis."""
+    notes = [{"id": "a", "t": 45.3, "text": "it <b>overshoots</b> here"}, {"id": "b", "t": 60}]
+    spec = experiment(notes=notes, figures=[LOOP])
+    outcome = result(spec)
+    layout = figure(outcome, spec, plant, "states")["layout"]
+    lines = [shape for shape in layout["shapes"] if shape["type"] == "line" and shape["x0"] == shape["x1"] == 45.3]
+    assert len(lines) == 2
+    flags = {note["x"]: note["hovertext"] for note in layout["annotations"] if note.get("name") == "flag"}
+    assert flags == {45.3: "it &lt;b&gt;overshoots&lt;/b&gt; here", 60: "60 s"}
+    loop = figure(outcome, spec, plant, "loop")["layout"]
+    assert not [note for note in loop["annotations"] if note.get("name") == "flag"]
+
+
 def test_unknown_names_are_refused_with_the_known_ones(run, plant):
     """For a figure or theme that does not exist."""
     outcome, spec = run

@@ -6,6 +6,7 @@ drawing(result, spec, plant, "faults")              the same before it is drawn,
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from thetascope.figures import general_figures, paper_figures
 from thetascope.figures.figure_data import FigureData
@@ -51,10 +52,11 @@ def figure(result, spec, plant, name: str, theme: str = "light", language: str =
 def drawing(result, spec, plant, name: str, theme: str = "light", language: str = "en") -> Drawing:
     """Return one figure before it is drawn, with all rows of the run. Raises as `figure` does."""
     run = FigureData(result, spec, plant, theme, language)
+    flags = [(note.t, note.text) for note in spec.notes]
     try:
         for own in spec.figures:
             if own.name == name:
-                return paper_figures.build(run, own)
-        return general_figures.build(run, name)
+                return replace(paper_figures.build(run, own), flags=flags)
+        return replace(general_figures.build(run, name), flags=flags)
     except KeyError as problem:
         raise UnknownFigure(name, [entry["name"] for entry in figure_names(spec, result.names)]) from problem

@@ -5,6 +5,7 @@ plotly.py is not imported: that takes most of a second, and its figures become s
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from html import escape
 
 import numpy as np
 
@@ -72,6 +73,8 @@ class Drawing:
     title: str
     caption: str
     strips: Sequence[Strip]
+    flags: Sequence[tuple[float, str]] = ()
+    """Notes on the time of the run: time in s and text, empty for a bookmark."""
 
 
 def stack(drawing: Drawing, theme: style.Theme) -> dict:
@@ -98,6 +101,10 @@ def stack(drawing: Drawing, theme: style.Theme) -> dict:
         layout[x.replace("x", "xaxis")] = _x_axis(strip.x, theme, y)  # of the lowest strip if shared
         layout["annotations"] += _labels(strip, theme, domain) + _finals(strip, theme, domain)
         layout["shapes"] += _shading(strip, theme, x, y)
+        if strip.x.is_time:
+            layout["shapes"] += [_flag_line(t, theme, x, y) for t, _ in drawing.flags]
+            if place == 1 or not shared:
+                layout["annotations"] += [_flag(t, text, theme, x, y) for t, text in drawing.flags]
         first = {line.legend: line for line in reversed(strip.lines) if line.legend not in seen}
         seen |= first
         for rank, (line, (xs, ys)) in sorted(
@@ -110,6 +117,30 @@ def stack(drawing: Drawing, theme: style.Theme) -> dict:
     layout["showlegend"] = any(seen)
     layout["meta"]["narrow"] = narrow(layout, strips, theme, filter(None, seen))
     return {"data": data, "layout": layout}
+
+
+def _flag_line(t: float, theme: style.Theme, x: str, y: str) -> dict:
+    line = {"color": theme.ink, "width": 1, "dash": "1px,2px"}
+    return {"type": "line", "xref": x, "x0": t, "x1": t, "yref": f"{y} domain", "y0": 0, "y1": 1, "line": line}
+
+
+def _flag(t: float, text: str, theme: style.Theme, x: str, y: str) -> dict:
+    """Return the flag of a note above a strip; the note is read under the pointer."""
+    return {
+        "name": "flag",
+        "xref": x,
+        "x": t,
+        "yref": f"{y} domain",
+        "y": 1,
+        "yanchor": "bottom",
+        "xanchor": "left",
+        "xshift": -3,
+        "showarrow": False,
+        "text": "⚑",
+        "hovertext": escape(text) or f"{t:g} s",
+        "captureevents": True,
+        "font": {"size": 13, "color": theme.ink},
+    }
 
 
 def _numbered(axis: str, place: int) -> str:
