@@ -32,7 +32,10 @@ def tank() -> tuple[Result, bytes]:
 
 @pytest.mark.parametrize("name", PLANTS)
 def test_a_record_of_a_run_gives_its_columns_bit_for_bit(name):
-    """Every column of an observer on the record of a run is that of the run: y is held over base steps in both."""
+    """Every column of an observer on the record of a run is that of the run: y is held over base steps in both.
+
+    Columns that judge an observer by the truth are missing in a record, as the truth is.
+    """
     step, kinds = PLANTS[name]
     plant = library.plant(name)
     plant = plant.without_controllers
@@ -40,7 +43,8 @@ def test_a_record_of_a_run_gives_its_columns_bit_for_bit(name):
     assert step is not None
     run = simulated(plant, step, ROWS, kinds)
     record = on_record(plant, exported(run), step, ROWS, kinds)
-    known = [n for n in run.names if not n.startswith(("x.", "theta."))]
+    judged = ("V", "V1", "V2")
+    known = [n for n in run.names if not n.startswith(("x.", "theta.")) and n.split(".")[-1] not in judged]
     assert list(record.names) == known
     differ = [n for n in known if not np.array_equal(run.column(n), record.column(n), equal_nan=True)]
     assert differ == []

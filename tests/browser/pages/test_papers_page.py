@@ -10,7 +10,7 @@ def test_a_paper_is_read_and_its_evidence_replayed(page):
     papers = page("/learn/")
     papers.click("a[href='/learn/papers/']")
     papers.wait_for_selector(".papers-equations math")
-    until(papers, "document.querySelectorAll('#numbers .papers-agrees').length === 9")
+    until(papers, "document.querySelectorAll('#numbers .papers-agrees').length === 10")
     assert papers.locator("#numbers .alarm").count() == 0
     papers.click(".papers-errata li:first-child button")
     until(papers, "document.querySelector('.papers-evidence [data-figure=escape]')?.dataset.drawn === ''")
@@ -22,7 +22,7 @@ def test_a_paper_is_read_and_its_evidence_replayed(page):
     assert serious(papers) == []
     papers.click(".languages")
     until(papers, "document.querySelector('h1').textContent === '一类非线性系统的自适应观测器设计'")
-    until(papers, "document.querySelectorAll('#numbers .papers-agrees').length === 9")
+    until(papers, "document.querySelectorAll('#numbers .papers-agrees').length === 10")
     assert english(papers) == set()
     assert papers.watch.errors == [] and papers.watch.foreign == []
 

@@ -3,8 +3,8 @@
 Columns are NaN after a divergence and while an observer is absent.
 """
 
-from collections.abc import Iterator, Sequence
-from functools import reduce
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial, reduce
 
 import numpy as np
 
@@ -21,10 +21,10 @@ from thetascope.engine.model.result import (
     ObserverReport,
     Result,
 )
-from thetascope.engine.observers.support.declaration import Observed
+from thetascope.engine.observers.support.declaration import Observed, Truth
 from thetascope.engine.programs.evaluate_rows import probe
 from thetascope.engine.programs.kernel_cost import costs
-from thetascope.engine.simulation.experiment import PROCESS_NOISE, Experiment, Rows
+from thetascope.engine.simulation.experiment import PROCESS_NOISE, Estimator, Experiment, Rows
 from thetascope.engine.simulation.loop import LoopRows
 from thetascope.engine.simulation.simulation import at_rows, loop_values, observed_values, row_numbers
 from thetascope.messages import Message
@@ -174,12 +174,36 @@ def observer_columns(
         first_row + where.start,
         -(-estimator.since // e.every),
         max(0, wanted - where.start),
+        None if e.recorded else truth_of(estimator, values, where),
+        partial(probe, program),
     )
     more = estimator.kind.diagnostics(run)
     seen |= more
     checks = _checks(estimator, run) if check else ()
     report = ObserverReport(estimator.label, estimator.kind.id, estimator.kind.title, checks, diverged, estimator.facts)
     return columns | more, report
+
+
+def truth_of(estimator: Estimator, values: Mapping[str, np.ndarray | float], where: slice) -> Truth | None:
+    """Return the true states and faults along the rows of an observer; None for a truth that lacks its states."""
+    if not truth_names(estimator) <= set(values):
+        return None
+    count = len(np.asarray(values["t"])[where])
+
+    def table(names: Sequence[str]) -> np.ndarray:
+        columns = [np.broadcast_to(v[where] if (v := np.asarray(values[name])).ndim else v, count) for name in names]
+        return np.stack(columns, axis=1) if columns else np.empty((count, 0))
+
+    return Truth(table(_true_states(estimator)), table([f"theta.{channel}" for channel in estimator.channels]))
+
+
+def truth_names(estimator: Estimator) -> set[str]:
+    """Return the columns that hold the true states and faults which an observer estimates."""
+    return {*_true_states(estimator), *(f"theta.{channel}" for channel in estimator.channels)}
+
+
+def _true_states(estimator: Estimator) -> list[str]:
+    return [f"x.{state['name']}" for state in estimator.context.model["states"]]
 
 
 def estimates(life: Life, values: dict, y: np.ndarray, states: np.ndarray) -> tuple[dict[str, np.ndarray], dict]:

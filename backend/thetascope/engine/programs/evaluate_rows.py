@@ -1,6 +1,6 @@
 """Evaluation of a program's outputs along recorded rows with compiled code, which rounds exactly as the run does."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -11,7 +11,7 @@ from thetascope.engine.compiler.jit import NEVER, Kernel, Layout, Segments, kern
 from thetascope.engine.compiler.system import DISCRETE, Program
 
 
-def probe(program: Program, names: Sequence[str], values: dict[str, np.ndarray | float]) -> np.ndarray:
+def probe(program: Program, names: Sequence[str], values: Mapping[str, np.ndarray | float]) -> np.ndarray:
     """Return outputs (by name; ``d.<state>`` for an update) at each row: shape (names, rows).
 
     ``values`` maps states, inputs, parameters and ``t`` to arrays over the rows, or to numbers that apply to all rows.

@@ -4,6 +4,7 @@ The columns come from the functions that a run uses, applied to the tail and the
 so they are the run's.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, TypeGuard
@@ -16,10 +17,11 @@ from thetascope.engine.execution.result_columns import (
     observer_columns,
     plant_columns,
     plant_values,
+    truth_names,
 )
 from thetascope.engine.execution.stages import Life, lives
 from thetascope.engine.model.result import Diverged
-from thetascope.engine.observers.support.declaration import Observed
+from thetascope.engine.observers.support.declaration import Observed, Truth
 from thetascope.engine.simulation.experiment import Estimator, Rows
 from thetascope.engine.simulation.experiment import Experiment as Engine
 from thetascope.engine.simulation.loop import LoopRows
@@ -236,7 +238,7 @@ def columns_of(experiment: Engine) -> tuple[str, ...]:
         names += _unknown_columns(experiment)
     names += experiment.plant.outputs
     for e in experiment.estimators:
-        names += [f"{e.label}.{n}" for n in _own_columns(e)]
+        names += [f"{e.label}.{n}" for n in _own_columns(e, set(names))]
     return tuple(names)
 
 
@@ -247,17 +249,17 @@ def _unknown_columns(experiment: Engine) -> list[str]:
     return names + [n for n in experiment.signals if n.startswith("theta.")]
 
 
-def _own_columns(e: Estimator) -> tuple[str, ...]:
+def _own_columns(e: Estimator, present: set[str]) -> tuple[str, ...]:
     sigmas = tuple(f"sigma.{c}" for c in e.channels) if has_spread(e) else ()
-    return _names(_NameKey(e)) + sigmas
+    return _names(_NameKey(e, truth_names(e) <= present)) + sigmas
 
 
 class _NameKey:
     """An estimator as a dictionary key: two are equal if their columns have the same names."""
 
-    def __init__(self, e: Estimator) -> None:
-        self.estimator = e
-        self.key = (e.program.digest, e.kind.id, e.channels, tuple(std > 0 for std in e.context.noise_std))
+    def __init__(self, e: Estimator, judged: bool) -> None:
+        self.estimator, self.judged = e, judged
+        self.key = (e.program.digest, e.kind.id, e.channels, tuple(std > 0 for std in e.context.noise_std), judged)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _NameKey) and self.key == other.key
@@ -277,9 +279,14 @@ def _names(key: _NameKey) -> tuple[str, ...]:
     measured = [n for n in e.program.inputs if n.startswith("y.")]
     values |= {f"intensity.{n}": 0.0 for n in measured}
     with np.errstate(all="ignore"):
-        run = Observed(None, e.program, e.channels, e.facts, values, 1.0, e.context)
+        truth = Truth(np.zeros((rows, e.context.n)), np.zeros((rows, len(e.channels)))) if key.judged else None
+        run = Observed(None, e.program, e.channels, e.facts, values, 1.0, e.context, truth=truth, probe=_nothing)
         more = e.kind.diagnostics(run)
     return (*(n for prefix in ("x.", "theta.", "y.") for n in outputs if n.startswith(prefix)), *more)
+
+
+def _nothing(names: Sequence[str], values: Mapping[str, Any]) -> np.ndarray:
+    return np.zeros((len(names), len(values["t"])))
 
 
 def _present(parts: Parts, estimators: tuple[Estimator, ...]) -> list[Life]:

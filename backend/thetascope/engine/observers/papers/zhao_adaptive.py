@@ -12,9 +12,14 @@ import numpy as np
 
 from thetascope.engine.model.result import Check
 from thetascope.engine.observers.forms.observable_form import canonical_form
-from thetascope.engine.observers.papers import high_gain
+from thetascope.engine.observers.papers import high_gain, zhao_proof
 from thetascope.engine.observers.papers.high_gain import A0, FAST, RHO, c0, describe, form_checks, k0, to_user
-from thetascope.engine.observers.support.common_checks import excitation, persistent_excitation, positive_definite
+from thetascope.engine.observers.support.common_checks import (
+    eigenvalues,
+    persistent_excitation,
+    positive_definite,
+    windowed_gramian,
+)
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
 from thetascope.engine.observers.support.dimensions import (
     FAULT_PER_OUTPUT_SQUARED_SECOND,
@@ -111,6 +116,9 @@ def write(d: Draft) -> None:
     d.set(theta, dtheta)
     d.estimates(x, theta, y_hat)
     d.outputs("Omega", Omega)
+    d.outputs("F", at.f if form.identity else at.matrix(form.J) @ at.f)  # for the constants of Theorem 2
+    if not form.identity:
+        d.outputs("T", at.matrix(form.T))
     describe(d, form)
 
 
@@ -122,12 +130,22 @@ def checks(run: Observed) -> list[Check]:
         *form_checks(run),
         persistent_excitation(run, level, f"{source}, eq. (36)"),
         positive_definite(run, "Gamma", len(run.channels), f"{source}, Lemma 2"),
+        zhao_proof.constants(run),
+        zhao_proof.falls(run),
     ]
 
 
 def diagnostics(run: Observed) -> dict[str, np.ndarray]:
-    """``pe``: λmin of the windowed Gramian of Ω (36), the paper's Fig. 5."""
-    return {"pe": excitation(run)}
+    """Eigenvalues of the windowed Gramian of Ω (36), the paper's Fig. 5, and the Lyapunov function of Theorem 2.
+
+    ``pe`` is the smallest eigenvalue, ``gramian.1`` … ``gramian.p`` are all, ascending; V, V1 and V2 need the truth.
+    """
+    gramian = windowed_gramian(run.matrix("Omega", run.context.m, len(run.channels)), run)
+    values = eigenvalues(gramian, run)
+    if not len(run.channels):
+        return {"pe": np.full(len(values), np.nan)}
+    columns = {f"gramian.{k + 1}": values[:, k].copy() for k in range(values.shape[1])}
+    return {"pe": columns["gramian.1"]} | columns | zhao_proof.lyapunov(run)
 
 
 OBSERVER = Observer(

@@ -88,7 +88,12 @@ def _earliest(run: Observed) -> int:
 
 def smallest_eigenvalue(gramian: np.ndarray, run: Observed) -> np.ndarray:
     """Return λmin at about a hundred rows per window, held in between; NaN without faults to estimate."""
-    values = np.full(len(gramian), np.nan)
+    return eigenvalues(gramian, run)[:, 0] if gramian.shape[1] else np.full(len(gramian), np.nan)
+
+
+def eigenvalues(gramian: np.ndarray, run: Observed) -> np.ndarray:
+    """Return all eigenvalues (rows, p), ascending, at about a hundred rows per window, held in between."""
+    values = np.full(gramian.shape[:2], np.nan)
     if gramian.shape[1] == 0:
         return values
     begin = _earliest(run)
@@ -97,9 +102,9 @@ def smallest_eigenvalue(gramian: np.ndarray, run: Observed) -> np.ndarray:
     picked = rows[finite & ((run.first_row + rows) % _stride(run) == 0)]
     if not len(picked):
         return values
-    small = np.linalg.eigvalsh(gramian[picked])[:, 0] if gramian.shape[1] > 1 else gramian[picked, 0, 0]
+    found = np.linalg.eigvalsh(gramian[picked]) if gramian.shape[1] > 1 else gramian[picked, :, 0]
     known = rows[finite & (rows >= picked[0])]
-    values[known] = small[np.searchsorted(picked, known, side="right") - 1]
+    values[known] = found[np.searchsorted(picked, known, side="right") - 1]
     return values
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -151,6 +151,19 @@ class Option:
 
 
 @dataclass(frozen=True)
+class Truth:
+    """The simulated plant beside an observer, for checks and diagnostics; the observer itself never sees it.
+
+    Args:
+        x: true states along the rows (rows, n), in the order of the model's states.
+        theta: true faults of the channels that the observer estimates (rows, p).
+    """
+
+    x: np.ndarray
+    theta: np.ndarray
+
+
+@dataclass(frozen=True)
 class Observed:
     """One observer's run, as its checks and diagnostics see it.
 
@@ -169,12 +182,21 @@ class Observed:
     first_row: int = 0  # number of the first of these rows, counted from t = 0
     born: int = 0  # row at which the observer began to watch
     wanted: int = 0  # how many of these rows only fill windows: what diagnostics say of them is not looked at
+    truth: Truth | None = None  # None where the rows are a record
+    probe: Callable[[Sequence[str], Mapping[str, np.ndarray | float]], np.ndarray] | None = None
+    """Returns outputs of the observer's program, by name, for other values than the recorded ones: (names, rows)."""
 
     @property
     def noisy(self) -> tuple[str, ...]:
         """Names of the measured outputs, ``y.*``; ``intensity.y.*`` in the values is their noise's std² · sample
         time."""
         return tuple(n.removeprefix("intensity.") for n in self.values if n.startswith("intensity."))
+
+    def at(self, rows: np.ndarray) -> "Observed":
+        """Return the run at some of its rows only."""
+        values = {name: value[rows] if np.ndim(value) else value for name, value in self.values.items()}
+        truth = self.truth and Truth(self.truth.x[rows], self.truth.theta[rows])
+        return replace(self, values=values, truth=truth)
 
     def gain(self, name: str) -> float:
         """A scalar gain, as it was last."""
