@@ -146,7 +146,7 @@ def size(g: Gain) -> str:
 
 def option(o: Option) -> str:
     """Return a row of the table of options."""
-    default = "from the plant" if callable(o.default) else f"`{o.default}`"
+    default = "from the plant" if callable(o.default) else "none" if o.default is None else f"`{o.default}`"
     values = f"{o.low} … {o.high}" if o.kind == "integer" else ", ".join(f"`{c}`" for c in o.choices)
     return f"| `{o.name}` | {cell(str(o.meaning))} | {default} | {values} |"
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.engine.observers.normal_form_cases import STATES, carts, carts_pace
+from tests.engine.observers.normal_form_cases import STATES, carts, carts_pace, carts_spec
 from tests.reference import reduced_order
 from tests.simulate import simulate
 from thetascope import library
@@ -219,3 +219,104 @@ def test_an_output_for_every_state_leaves_nothing_to_estimate():
     }
     run = simulate(library.resolve(Experiment.model_validate(spec)))
     assert run.column("o.x.x1") == pytest.approx(run.column("x.x1"), abs=1e-12)
+
+
+# ---- Remarks 1 and 3 -------------------------------------------------------------------------------------------------
+
+
+def check(run, code):
+    return next(c for c in run.observers[0].checks if c.name.code == code)
+
+
+def with_poles(kind, poles, **gains):
+    """Return a run of an observer of the carts with wished poles: blocks of 2 and 1, or of 3 and 2 for full order."""
+    observer = carts_spec(kind, gains).observers[0].model_dump() | {"options": {"poles": poles}}
+    return carts(kind, {}, horizon=0.5, observers=[observer])
+
+
+@pytest.mark.parametrize(
+    ("kind", "poles", "blocks"),
+    [
+        ("reduced-order", "-4, -3, -6", [[-4, -3], [-6]]),
+        ("reduced-order", "−3 ± 2j; -5", [[-3 + 2j, -3 - 2j], [-5]]),
+        ("full-order", "-9, -8+1i, -8-1i, -7, -7.5", [[-9, -8 + 1j, -8 - 1j], [-7, -7.5]]),
+    ],
+)
+def test_gains_come_from_wished_poles(kind, poles, blocks):
+    """Remark 3: the eigenvalues of Ã − HC̃ (A − LC) are the wished ones, block after block."""
+    run = with_poles(kind, poles)
+    name = "Ã − HC̃ stable" if kind == "reduced-order" else "A − LC stable"
+    shown = next(c for c in run.observers[0].checks if str(c.name) == name)
+    wished = np.sort_complex([p for block in blocks for p in block])
+    found = np.sort_complex([complex(e.replace(" ", "")) for e in shown.text.args["eigenvalues"]])
+    np.testing.assert_allclose(found, wished, rtol=2e-3, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("poles", "words"),
+    [
+        ("-4, -3", "2 poles are given, 3 are needed"),
+        ("-4, x, -3", "'x' is no pole"),
+        ("-4, 3, -3", "3 is not in the left half plane"),
+        ("-4, -3±2j", "no conjugate pairs"),
+        ("__import__('os')", "is no pole"),
+    ],
+)
+def test_poles_that_cannot_be_are_refused(poles, words):
+    """Too few, none, unstable ones, and half a pair in a block; text is read, never evaluated."""
+    with pytest.raises(SpecError) as refused:
+        with_poles("reduced-order", poles)
+    assert refused.value.field.endswith("options.poles") and words in str(refused.value)
+
+
+def test_poles_and_gains_exclude_each_other():
+    """Nobody has to know which of them wins."""
+    with pytest.raises(SpecError, match="both given"):
+        with_poles("reduced-order", "-4, -3, -6", H=[7.0, 12.0, 6.0])
+
+
+def slopes_of_the_paper(run):
+    """Return ∂(α + F u)/∂(ẑ2, ẑ4) by hand: z2' = z2 + sin t x̂2 − (2 + cos t)(x̂4² + …) and z4' = z4 + sin t x̂2 + …, with
+    x̂2 = (y1 − ẑ2)/(2 + cos t) and x̂4 = ẑ4 − y2."""
+    t, x4 = run.column("t"), run.column("reduced.x.x4")
+    scale, made = 2 + np.cos(t), np.empty((len(t), 2, 2))
+    made[:, 0, 0], made[:, 0, 1] = 1 - np.sin(t) / scale, -2 * scale * x4
+    made[:, 1, 0], made[:, 1, 1] = -np.sin(t) / scale, 1
+    return made
+
+
+def test_the_errors_of_the_paper_begin_at_the_rates_h_minus_1():
+    """The first-order equations have the eigenvalues −(H − 1) at the start, where the print has −H."""
+    run = paper()
+    shown = check(run, "check.error-matrix")
+    assert [float(e) for e in shown.text.args["start"]] == pytest.approx([-7, -4], rel=1e-3)
+    assert [float(e) for e in shown.text.args["without"]] == pytest.approx([-8, -5], rel=1e-3)
+    exact = np.linalg.eigvals(slopes_of_the_paper(run) - np.diag([5.0, 8.0])).real.max(axis=1)
+    assert shown.value == pytest.approx(exact.max(), abs=0.02) and shown.verdict == "cannot tell"
+
+
+def test_the_bound_of_remark_1_is_that_of_its_formula():
+    """α = max Re Λ + γ ‖VB̃‖ ‖V⁻¹‖ for H = diag(5, 8): V is the unit matrix, and γ the largest slope of α + F u."""
+    run = paper()
+    shown = check(run, "check.reduced-rate")
+    gamma = np.linalg.norm(slopes_of_the_paper(run), 2, axis=(1, 2)).max()
+    assert shown.text.args["gamma"] == pytest.approx(gamma, rel=0.01)
+    assert shown.value == pytest.approx(gamma - 5, rel=0.01) and shown.verdict == "fails"
+    assert 5 < shown.text.args["rate"] < 8
+
+
+def test_the_bound_holds_where_its_assumptions_do():
+    """On a linear plant γ is exact: the measured rate is at least as fast as the bound of Remark 1."""
+    plant = {
+        "id": "chain",
+        "states": [{"name": "x1"}, {"name": "x2", "initial": 1.0}],
+        "inputs": [{"name": "u"}],
+        "outputs": [{"name": "y", "expression": "x1"}],
+        "dynamics": {"x1": "x2", "x2": "u - 0.5*x2"},
+    }
+    observer = {"label": "o", "kind": "reduced-order", "options": {"poles": "-3"}, "initial": {"x2": 0.0}}
+    spec = {"plant": plant, "horizon": 4.0, "step": 0.01, "observers": [observer]}
+    run = simulate(library.resolve(Experiment.model_validate(spec)))
+    shown = check(run, "check.reduced-rate")
+    assert shown.verdict == "holds" and shown.value == pytest.approx(-2.5, rel=1e-6)
+    assert shown.text.args["rate"] == pytest.approx(3.5, rel=1e-3)

@@ -66,6 +66,7 @@ def _estimator(
         if kind.chooses is not None:
             channels = kind.chooses(_context(spec, data, channels, step, every, healthy))
     context = _context(spec, data, channels, step, every, healthy)
+    context = replace(context, poles=_wished(kind, config))
     gains = {g.name: gain_values(g, config.gains.get(g.name), context) for g in kind.gains}
     refuse_unknown("gains", config.gains, gains, Message("observer.gain.unknown", kind=kind.id))
     options = _options(kind, config, context)
@@ -159,13 +160,24 @@ def plant_context(spec: ResolvedExperiment, data: dict, step: float, healthy: He
     return _context(spec, data, spec.plant.names("channels"), step, None, healthy)
 
 
+def _wished(kind: Observer, config: ObserverConfig) -> str:
+    """Return the wished poles as text. Raises SpecError where the gain that they would design is given, too."""
+    option = next((o for o in kind.options if o.kind == "poles"), None)
+    text = "" if option is None else str(config.options.get(option.name) or "")
+    designed = next((g.name for g in kind.gains if g.size is not None), None)
+    if text.strip() and designed in config.gains:
+        raise SpecError("options.poles", text[:80], Message("observer.poles.and-gain", gain=designed))
+    return text
+
+
 def _options(kind: Observer, config: ObserverConfig, context: Context) -> dict:
     known = {o.name: o for o in kind.options}
     general = {"channels"} if kind.estimates_theta else set()
     general |= {"period"} if kind.time == "discrete" else set()
     rest = {k: v for k, v in config.options.items() if k not in general}
     refuse_unknown("options", rest, {*known, *general}, Message("observer.option.unknown", kind=kind.id))
-    return {name: _option(option, rest.get(name), context) for name, option in known.items()}
+    structural = {name: option for name, option in known.items() if option.kind != "poles"}
+    return {name: _option(option, rest.get(name), context) for name, option in structural.items()}
 
 
 def _option(option: Option, given, context: Context):

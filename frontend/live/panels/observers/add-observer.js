@@ -202,17 +202,26 @@ function optionFields(kind, plant, inputs) {
           )
         : h('input', {
             type: 'text',
-            inputmode: 'decimal',
-            placeholder: option.default === null ? t('page.observers.automatic') : String(option.default),
+            inputmode: option.kind === 'poles' ? 'text' : 'decimal',
+            placeholder: placeholderOf(option),
           });
     input.setAttribute('aria-label', option.name);
     inputs.set(option.name, () =>
-      option.kind === 'choice' ? input.value : input.value.trim() === '' ? null : Number(input.value),
+      option.kind === 'choice' ? input.value : input.value.trim() === '' ? null : valueOf(option, input.value),
     );
     fields.push(h('label', {title: named(option.meaning)}, option.name.replaceAll('_', ' ')), input);
   }
   return fields;
 }
+
+/** @param {service.OptionForm} option */
+function placeholderOf(option) {
+  if (option.kind === 'poles') return '-4, -3±2j';
+  return option.default === null ? t('page.observers.automatic') : String(option.default);
+}
+
+/** @param {service.OptionForm} option @param {string} text */
+const valueOf = (option, text) => (option.kind === 'poles' ? text.trim() : Number(text));
 
 /**
  * The faults to estimate: all by default, or those that the kind takes by itself.

@@ -12,6 +12,7 @@ from math import comb
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.model.result import Check
 from thetascope.engine.observers.forms.normal_form import PAPER, block_column, brunovsky, normal_form
+from thetascope.engine.observers.forms.wished_poles import POLES, injection
 from thetascope.engine.observers.papers.reduced_order import (
     at_coordinates,
     decoupling,
@@ -30,8 +31,10 @@ from thetascope.messages import Message
 
 
 def default_L(context: Context) -> list[float]:
-    """Return the coefficients of (s + ω)^ρ, block after block: A − LC has its eigenvalues at −ω, ten times the pace."""
+    """Return L for the wished poles of A − LC, block after block; by default all are at ten times the plant's rate."""
     blocks = normal_form(Model(context.model)).blocks
+    if (wished := injection(context, blocks)) is not None:
+        return wished
     return [comb(rho, i) * (10.0 * pace(context)) ** i for rho in blocks for i in range(1, rho + 1)]
 
 
@@ -79,6 +82,7 @@ OBSERVER = Observer(
     id="full-order",
     source=f"{PAPER}, eq. (6) with output injection",
     gains=(L,),
+    options=(POLES,),
     write=write,
     checks=checks,
     estimates_theta=False,

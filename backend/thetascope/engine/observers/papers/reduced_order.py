@@ -19,6 +19,8 @@ from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model, symbols
 from thetascope.engine.model.result import CANNOT_TELL, Check
 from thetascope.engine.observers.forms.normal_form import PAPER, NormalForm, block_column, brunovsky, normal_form
+from thetascope.engine.observers.forms.wished_poles import POLES, injection
+from thetascope.engine.observers.papers.reduced_order_rates import linear_part, rates
 from thetascope.engine.observers.support.common_checks import NO_VALUE, stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
 from thetascope.engine.observers.support.dimensions import RATE_TO_ORDER
@@ -32,8 +34,10 @@ if TYPE_CHECKING:
 
 
 def default_H(context: Context) -> list[float]:
-    """Return the coefficients of (s + ω)^(ρ − 1): Ã − HC̃ has its eigenvalues at −ω, five times the plant's rate."""
+    """Return H for the wished poles (Remark 3); by default all are at five times the plant's rate."""
     blocks = [rho - 1 for rho in normal_form(Model(context.model)).blocks]
+    if (wished := injection(context, blocks)) is not None:
+        return wished
     return [comb(size, i) * (5.0 * pace(context)) ** i for size in blocks for i in range(1, size + 1)]
 
 
@@ -75,6 +79,7 @@ def write(d: Draft) -> None:
 
     d.set(omega, (A - H @ C) @ hidden + B @ top)  # (17)
     d.estimates(x, None, at.h)
+    d.outputs("top", top)  # for Remark 1
     describe(d, form, at)
 
 
@@ -124,6 +129,7 @@ def checks(run: Observed) -> list[Check]:
         decoupling(run),
         *eigenvalues(run, "Ã − HC̃", "H", blocks, "eq. (16)"),
         local(run),
+        *rates(run, blocks),
     ]
 
 
@@ -131,12 +137,7 @@ def eigenvalues(run: Observed, matrix: str, gain: str, blocks: list[int], equati
     """Check that the chains of integrators are stable with these gains; nothing where all chains are empty."""
     if not sum(blocks):
         return []
-    closed, at = np.zeros((sum(blocks), sum(blocks))), 0
-    for size in blocks:  # Ã − HC̃ in numbers, because a run from the cache needs no SymPy
-        closed[at : at + size, at : at + size] = np.eye(size, k=1)
-        closed[at : at + size, at] -= run.gains(gain)[at : at + size]
-        at += size
-    return [stable(matrix, closed, f"{PAPER}, {equation}")]
+    return [stable(matrix, linear_part(run.gains(gain), blocks), f"{PAPER}, {equation}")]
 
 
 def relative_degree(run: Observed) -> Check:
@@ -174,6 +175,7 @@ OBSERVER = Observer(
     id="reduced-order",
     source=f"{PAPER}, eq. (17)",
     gains=(H,),
+    options=(POLES,),
     write=write,
     checks=checks,
     estimates_theta=False,

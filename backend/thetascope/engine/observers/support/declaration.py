@@ -29,6 +29,7 @@ class Context:
     channels: tuple[str, ...] = ()  # the fault channels to estimate
     noise_hold: tuple[float, ...] = ()  # per output: the sample time of the declared noise, s
     healthy: HealthyRun | None = None  # the source of all scales
+    poles: str = ""  # the option of wished_poles.py, where the user gives it
 
     @property
     def scales(self) -> Scales:
@@ -137,6 +138,8 @@ def labels(size: Count, context: Context) -> tuple[str, ...]:
 @dataclass(frozen=True)
 class Option:
     """A structural choice: it changes the equations, not a number in them. ``kind``: choice, integer or channels.
+
+    One of the kind poles is a text by which the default gains are designed (wished_poles.py).
 
     ``default``: a value, or a function of the Context.
     """
