@@ -11,6 +11,7 @@ inequality (A − KC)ᵀP + P(A − KC) < 0 is a Riccati inequality for P2, solv
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +25,8 @@ from thetascope.messages import Message
 
 if TYPE_CHECKING:
     from sympy import Expr
+
+_SHARES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.97)  # of the largest c
 
 
 def shift(n: int) -> np.ndarray:
@@ -100,18 +103,44 @@ def matched_gains(wished: Sequence[float] | np.ndarray, d: Sequence[float] | np.
     return near + good / 2 * (wished - near)
 
 
-def _scaled_P(K: np.ndarray, d: np.ndarray) -> np.ndarray | None:
-    """Return P where the poles are about 1."""
+def matched_Ps(K: Sequence[float] | np.ndarray, d: Sequence[float] | np.ndarray) -> list[np.ndarray]:
+    """Return P as of `find_P` with (A − KC)ᵀP + P(A − KC) < −c P, for some c from 0 to the largest that may have one.
+
+    The P with the largest c has the largest condition number, too: which of them is best depends on its use.
+    """
+    return list(_matched_Ps(tuple(map(float, K)), tuple(map(float, d))))
+
+
+def fastest_rate(d: Sequence[float] | np.ndarray) -> float:
+    """Return the c that no K and no P with P d = Cᵀ reach: twice the rate of the slowest zero of d."""
+    zeros = np.roots(np.asarray(d, dtype=float))
+    return float(max(-2 * zeros.real.max(), 0.0)) if len(zeros) else float("inf")
+
+
+@lru_cache(maxsize=64)
+def _matched_Ps(K: tuple[float, ...], d: tuple[float, ...]) -> tuple[np.ndarray, ...]:
+    n, gains, plain = len(K), np.array(K), find_P(K, d)
+    if plain is None:
+        return ()
+    mean = K[-1] ** (1 / n)
+    powers = mean ** np.arange(n)
+    largest = min(fastest_rate(d), -2 * float(np.linalg.eigvals(closed(gains)).real.max())) / mean
+    scaled = (_scaled_P(gains / (powers * mean), np.array(d) / powers, largest * share) for share in _SHARES)
+    return plain, *(P / np.outer(powers, powers) for P in scaled if P is not None)
+
+
+def _scaled_P(K: np.ndarray, d: np.ndarray, rate: float = 0.0) -> np.ndarray | None:
+    """Return P where the poles are about 1, with (A − KC)ᵀP + P(A − KC) < −rate P."""
     n = len(K)
     T = np.eye(n)
     T[1:, 0] = d[1:]
     inverse = 2 * np.eye(n) - T
-    moved = inverse @ closed(K) @ T  # A − KC in the coordinates ξ
+    moved = inverse @ closed(K) @ T + rate / 2 * np.eye(n)  # A − KC in the coordinates ξ
     if not np.isfinite(moved).all() or moved[0, 0] >= 0:
         return None
     for P2 in _riccati(moved):
         P = inverse.T @ np.asarray(scipy.linalg.block_diag(1.0, P2)) @ inverse if n > 1 else np.eye(1)
-        if np.linalg.eigvalsh(P)[0] > 0 and lyapunov_margin(P, K) < 0:
+        if np.linalg.eigvalsh(P)[0] > 0 and lyapunov_margin(P, K, rate) < 0:
             return P
     return None
 
@@ -142,7 +171,7 @@ def _riccati(moved: np.ndarray) -> Iterator[np.ndarray]:
                 yield (P2 + P2.T) / 2
 
 
-def lyapunov_margin(P: np.ndarray, K: Sequence[float] | np.ndarray) -> float:
-    """Return the largest eigenvalue of (A − KC)ᵀP + P(A − KC)."""
+def lyapunov_margin(P: np.ndarray, K: Sequence[float] | np.ndarray, rate: float = 0.0) -> float:
+    """Return the largest eigenvalue of (A − KC)ᵀP + P(A − KC) + rate P."""
     matrix = P @ closed(K)
-    return float(np.linalg.eigvalsh(matrix + matrix.T)[-1])
+    return float(np.linalg.eigvalsh(matrix + matrix.T + rate * P)[-1])

@@ -22,6 +22,7 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.model.result import CANNOT_TELL, FAILS, HOLDS, Check
+from thetascope.engine.observers.forms import lipschitz_proof
 from thetascope.engine.observers.forms.matching_condition import (
     closed,
     direction,
@@ -176,16 +177,18 @@ def _factor(e: Expr, x: Symbol, model: Model) -> Expr | None:
 # ---- the assumptions of Theorem 1 ------------------------------------------------------------------------------------
 
 
-def checks(run: Observed) -> list[Check]:
-    """Check the assumptions on this plant, these gains and this run."""
+def checks(run: Observed, rho: float = 0.0) -> list[Check]:
+    """Check the assumptions on this plant, these gains and this run; ρ is the share of the nonsmooth injection."""
     k = chain_gains(run)
     P = matched(run)
+    d = vector(run) if "direction.0.0" in run.values else None
     return [
         chain_check(run),
         stable("A − KC", closed(k), f"{SOURCE}, eq. (6)"),
         matching_check(run, P),
         lyapunov_check(run, P, k),
         one_sided_lipschitz(run),
+        *lipschitz_proof.checks(run, coordinates(run), k, d, rho),
     ]
 
 

@@ -109,8 +109,8 @@ def paper_example(d: Draft, x: Matrix, w_theta: Matrix, e1: Expr) -> Matrix:
 
 
 def checks(run: Observed) -> list[Check]:
-    """Check the assumptions of Theorem 1."""
-    return [*shared_checks(run), exponent_check(run), as_printed(run)]
+    """Check the assumptions of Theorems 1 and 2."""
+    return [*shared_checks(run, run.gain("rho")), exponent_check(run), as_printed(run)]
 
 
 def exponent_check(run: Observed) -> Check:
