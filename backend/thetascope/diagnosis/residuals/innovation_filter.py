@@ -10,7 +10,7 @@ from thetascope.engine.compiler.graph import variables
 from thetascope.engine.compiler.jit import NEVER, Layout, Segments, kernel
 from thetascope.engine.compiler.system import DISCRETE
 from thetascope.engine.estimation.covariance import holds, noise_stds
-from thetascope.engine.estimation.kalman_innovations import AHEAD, innovations
+from thetascope.engine.estimation.kalman_innovations import AHEAD, halvings, innovations
 from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.observers.support.declaration import Context
@@ -61,7 +61,8 @@ class InnovationFilter:
     def __init__(self, experiment: Experiment, context: Context, doubt: float = DOUBT):
         experiment = experiment.modelled
         self.experiment, self.context = experiment, context
-        self.program = innovations(experiment.plant)
+        self.interval = experiment.every * experiment.step
+        self.program = innovations(experiment.plant, halvings(context.scales.fastest, self.interval))
         self.channels = tuple(i for i in experiment.plant.inputs if i.startswith("theta."))
         self.n, self.p, self.m = len(experiment.plant.states), len(self.channels), len(experiment.plant.outputs)
         self.base = np.zeros(self.p)
@@ -80,7 +81,6 @@ class InnovationFilter:
             direct = (self.program.outputs[f"D.{k}.{j}"] for j in range(self.p))
             self.acts_directly |= np.array([self.program.graph.value(node) != 0.0 for node in direct], dtype=bool)
         self.layout = Layout(held=(*self.names, *courses), emitted=outputs)
-        self.interval = experiment.every * experiment.step
         self._fresh = [self.names.index(f"fresh.{k}") for k in range(self.m)]
         self._measured = [self.names.index(f"measured.{o}") for o in self.outputs]
         hold = np.maximum(1.0, holds(experiment.measurement, experiment.step) / self.interval)

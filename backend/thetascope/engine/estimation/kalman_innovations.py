@@ -18,6 +18,7 @@ its derivatives are evaluated at the nearest point inside. The process noise of 
 state's scale (``q``); R is the measurement noise.
 """
 
+import math
 from collections.abc import Mapping
 from functools import lru_cache
 
@@ -27,14 +28,28 @@ from thetascope.engine.compiler.system import BEGIN, DISCRETE, WIDTH, Program
 from thetascope.engine.estimation.covariance_equations import total
 from thetascope.engine.programs.program_store import derived
 
-_HALVINGS = 2  # of the interval between rows, for the exponential of A; as many doublings undo them
+HALVINGS = 2  # of the interval between rows, for the exponential of A; as many doublings undo them
+_MOST_HALVINGS = 48
+_BORDER = 8.0  # fastest rate times interval up to which HALVINGS suffice: Taylor's polynomial is stable up to 2.8 · 4
+_MARGIN = 3  # further halvings, since an estimate may pass through faster regions than the healthy run
 AHEAD = "ahead."  # prefix of inputs in the middle of the interval that follows a row
 Matrix = list[list[int]]
 
 
+def halvings(fastest: float, interval: float) -> int:
+    """Return how often an interval in s is halved for a plant whose fastest rate is ``fastest`` in 1/s.
+
+    Without the halvings of a stiff plant Taylor's polynomial is unstable, and the filter does not stay finite.
+    """
+    ratio = fastest * interval
+    if not _BORDER < ratio < math.inf:
+        return HALVINGS
+    return min(_MOST_HALVINGS, math.ceil(math.log2(ratio)) + _MARGIN)
+
+
 @lru_cache(maxsize=128)
-def innovations(plant: Program) -> Program:
-    """Return the filter for a plant, with one step per row.
+def innovations(plant: Program, halved: int = HALVINGS) -> Program:
+    """Return the filter for a plant, with one step per row; exp(A Δ) comes from Δ halved ``halved`` times.
 
     Inputs: those of the plant (θ apart) at the row and, as ``ahead.*``, in the middle of the interval after it,
     ``measured.y.*``, ``fresh.k`` (whether output k is new in this row), ``known.j`` (θ₀)
@@ -44,12 +59,13 @@ def innovations(plant: Program) -> Program:
     divided by the innovation's standard deviation (``weight.k`` is its reciprocal), and the matrices of V's recursion:
     ``F.i.j``, ``G.i.j`` (constant θ), ``C.k.i``, ``D.k.j`` (Ψ), ``K.k.i``.
     """
-    return derived(["innovations", plant.digest], lambda: _Writer(plant).program())
+    key = ["innovations", plant.digest] + ([str(halved)] if halved != HALVINGS else [])
+    return derived(key, lambda: _Writer(plant, halved).program())
 
 
 class _Writer:
-    def __init__(self, plant: Program):
-        self.plant, self.graph = plant, Graph()
+    def __init__(self, plant: Program, halved: int):
+        self.plant, self.graph, self.halved = plant, Graph(), halved
         self.theta = [i for i in plant.inputs if i.startswith("theta.")]
         self.known = [i for i in plant.inputs if i not in self.theta]
         self.y = list(plant.outputs)
@@ -197,7 +213,7 @@ class _Writer:
             return A, []
         one, zero = g.const(1.0), g.const(0.0)
         unit = [[one if i == j else zero for j in range(n)] for i in range(n)]
-        h = g.mul(g.var("interval"), g.const(0.5**_HALVINGS))
+        h = g.mul(g.var("interval"), g.const(0.5**self.halved))
         Ah = [[g.mul(a, h) for a in row] for row in A]
         power, F, E = unit, unit, unit
         for order in range(1, 5):
@@ -205,7 +221,7 @@ class _Writer:
             F = self._plus(F, power, 1.0 / _factorial(order))
             E = self._plus(E, power, 1.0 / _factorial(order + 1))
         E = [[g.mul(e, h) for e in row] for row in E]
-        for _ in range(_HALVINGS):
+        for _ in range(self.halved):
             E = self._plus(E, self._times(F, E), 1.0)
             F = self._times(F, F)
         return F, E

@@ -131,6 +131,14 @@ class _Healthy:
         slowest = slowest[np.isfinite(slowest)]
         return float(np.median(slowest)) if len(slowest) else 0.0
 
+    def _fastest(self) -> float:
+        """Return `Scales.fastest`."""
+        points = self._points(len(self.x))
+        if self.experiment.plant.time == DISCRETE or not len(points) or not self.experiment.plant.states:
+            return 0.0
+        A = self._finite_jacobians(points)
+        return float(np.abs(np.linalg.eigvals(_balanced(A))).max()) if len(A) else 0.0
+
     def _finite_jacobians(self, rows: np.ndarray) -> np.ndarray:
         """Return ∂f/∂x (points, n, n) at those of some rows where it is finite."""
         A = _jacobians(self.experiment.plant, self._values(rows), len(rows))
@@ -212,8 +220,8 @@ class _Healthy:
         largest = np.abs(self.x).max(axis=0, initial=0.0) if self.stable else self.base
         extents = np.maximum(np.maximum(x, largest), self.base)
         of_x, of_y, of_extents = (tuple(map(float, values)) for values in (x, y, extents))
-        growth = self._amplification(extents)
-        return Scales(of_x, of_y, of_extents, rate, self.span, growth, self._chain(), self._linear())
+        growth, fastest = self._amplification(extents), self._fastest()
+        return Scales(of_x, of_y, of_extents, rate, self.span, growth, self._chain(), self._linear(), fastest)
 
     def _amplification(self, extents: np.ndarray) -> float:
         """Return the largest growth of a small change between two rows, relative to ``extents``; at least 1."""

@@ -42,6 +42,7 @@ class Scales:
         chain: with one output, its slope along the first state, then the slope of each state's rate along the next
             state: medians along the run (n,). Empty with several outputs.
         slopes: the linearisation that constant gains are designed for; None for a large or discrete plant.
+        fastest: the largest rate of the plant in 1/s along the run; 0 in discrete time.
     """
 
     states: tuple[float, ...]
@@ -52,6 +53,7 @@ class Scales:
     amplification: float = 1.0
     chain: tuple[float, ...] = ()
     slopes: Slopes | None = None
+    fastest: float = 0.0
 
 
 @dataclass(frozen=True)
