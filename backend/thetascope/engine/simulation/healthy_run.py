@@ -33,7 +33,9 @@ _INFINITE = 1e150  # the square of a larger number is not finite
 _POINTS = 24  # of the run at which eigenvalues are computed
 _GROWTH_POINTS = 200  # of the run between which the growth of a small change is computed
 _LARGEST = 40  # states and fault channels together up to which a linearisation is kept
-_INTEGRATOR = 1e-3  # eigenvalues below this fraction of the largest at a point count as integrators
+_INTEGRATOR = 1e-3  # eigenvalues below this fraction of the largest at a point count as integrators, unless they
+_DECAYS = 5.0  # make so many time constants in the run: slow parts of a stiff plant; below
+_NEGLIGIBLE = 1e-9  # of the largest, an eigenvalue may be rounding
 _ROUNDING = 1e-9  # changes below this fraction of the size of a quantity count as none
 _ESCAPES = 1e8  # a state that grows to this multiple of its early size belongs to an unstable plant
 _NOISES = 100.0  # standard deviations of the noise that make the scale of an output that does not move
@@ -127,7 +129,9 @@ class _Healthy:
                 rates = np.abs(np.log(np.linalg.eigvals(_balanced(A)).astype(complex))) / e.step
         rates = np.where(np.isfinite(rates), rates, 0.0)
         fast = rates.max(axis=1, keepdims=True)
-        slowest = np.where((rates > _INTEGRATOR * fast) & (rates > 0), rates, np.inf).min(axis=1)
+        slow_part = (rates * self.span > _DECAYS) & (rates > _NEGLIGIBLE * fast)
+        matters = (rates > 0) & ((rates > _INTEGRATOR * fast) | slow_part)
+        slowest = np.where(matters, rates, np.inf).min(axis=1)
         slowest = slowest[np.isfinite(slowest)]
         return float(np.median(slowest)) if len(slowest) else 0.0
 
