@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 MOST_PAIRS = 20  # most entries per matrix that are compared with their mirror images
 TOLERANCE = 1e-6  # relative
-_POINTS = 4  # neighbouring points: there a true difference is the same, an error of rounding another one
+_POINTS = 32  # neighbouring points: there a true difference is the same, an error of rounding is not at all of them
 _APART = 1e-10  # relative distance of these points
 
 
