@@ -1,5 +1,5 @@
-"""The command line: `thetascope serve | key | run | figure | trial | diagnose | fit | inspect | list | check`,
-and `backup | restore | verify` for the store of runs.
+"""The command line: `thetascope serve | key | run | figure | trial | diagnose | fit | hysteresis | inspect |
+list | check`, and `backup | restore | verify` for the store of runs.
 
 Exit codes: 0 done, 1 refused or failed (with the reason), 2 wrong usage, 130 interrupted. Commands import their modules
 when they run, so that `--help` and usage errors are answered quickly.
@@ -174,6 +174,20 @@ def _judging(commands: Any, say: Words) -> None:
     add_mapping_options(fit, say)
     fit.set_defaults(command=_fit)
 
+    hysteresis = commands.add_parser(
+        "hysteresis", help=say("cli.hysteresis"), description=say("cli.hysteresis.description")
+    )
+    hysteresis.add_argument("data", metavar="DATA", type=Path, help=say("cli.help.data"))
+    hysteresis.add_argument("--input", required=True, metavar="COLUMN", help=say("cli.help.hysteresis-input"))
+    hysteresis.add_argument("--output", required=True, metavar="COLUMN", help=say("cli.help.hysteresis-output"))
+    operators = _checked(_operators, say)
+    hysteresis.add_argument(
+        "--operators", type=operators, default=7, metavar="N", help=say("cli.help.hysteresis-operators")
+    )
+    hysteresis.add_argument("--thresholds", metavar="NUMBERS", help=say("cli.help.hysteresis-thresholds"))
+    hysteresis.add_argument("--out", type=Path, metavar="FILE", help=say("cli.help.hysteresis-out"))
+    hysteresis.set_defaults(command=_hysteresis)
+
     inspect = commands.add_parser("inspect", help=say("cli.inspect"), description=say("cli.inspect.description"))
     inspect.add_argument("plant", metavar="PLANT|PLANTFILE", help=say("cli.help.plant"))
     inspect.add_argument("data", metavar="DATA", type=Path, help=say("cli.help.data"))
@@ -217,6 +231,12 @@ def _count(text: str) -> int:
     return int(text)
 
 
+def _operators(text: str) -> int:
+    if not text.isdigit() or not 1 <= int(text) <= 30:
+        raise _Mistake(Message("cli.mistake.count", value=text, most=30))
+    return int(text)
+
+
 def _comparison(text: str) -> Path:
     return _output(text, COMPARISONS)
 
@@ -225,6 +245,12 @@ def _trial(options: argparse.Namespace, say: Words) -> int:
     from thetascope.cli.trial_command import trial_command
 
     return trial_command(options, say)
+
+
+def _hysteresis(options: argparse.Namespace, say: Words) -> int:
+    from thetascope.cli.hysteresis_command import hysteresis_command
+
+    return hysteresis_command(options, say)
 
 
 def _fit(options: argparse.Namespace, say: Words) -> int:

@@ -201,3 +201,86 @@ def test_a_gain_of_the_wrong_length_is_refused():
     """K is for the states of L1 and L2, not for the memory."""
     with pytest.raises(SpecError, match="needs 4"):
         other(gains={"K": [0.1] * 8})
+
+
+# ---- the paper's figure 3, and its conditions 1 and 2 ----------------------------------------------------------------
+
+
+def test_the_true_output_of_the_hysteresis_is_a_column():
+    """Fig. 3: v of seven play operators at the true x12; a record has none. Conditions 1 and 2 are numbers."""
+    run = paper()
+    x, z, v = run.column("x.x12"), np.zeros(7), []
+    width = np.arange(7, 0, -1) / 100
+    for value in x:
+        z = np.clip(z, value - width, value + width)
+        v.append(z.sum())
+    np.testing.assert_allclose(run.column("nonsmooth.true.v"), v, atol=1e-12)
+    truth = linear_states(run, "")[:, :2]
+    error = linear_states(run, "nonsmooth")[0, :2] - truth[0]
+    assert check(run, "x1 bounded").value == pytest.approx(np.linalg.norm(truth, axis=1).max())
+    assert check(run, "error of x1 at the start bounded").value == pytest.approx(np.linalg.norm(error))
+
+
+# ---- L1 and L2 of any order ------------------------------------------------------------------------------------------
+
+WIDTHS = (0.05, 0.03, 0.015)
+
+
+def chained(n1: int, n2: int) -> tuple[dict, np.ndarray, np.ndarray]:
+    """Return a plant with chains of n1 states before the hysteresis and n2 behind it, and their matrices."""
+    A1 = np.diag([0.75 - 0.05 * i for i in range(n1)]) + np.diag([0.08] * (n1 - 1), -1)
+    A2 = np.diag([0.8 - 0.04 * i for i in range(n2)]) + np.diag([0.1] * (n2 - 1), -1)
+    front, back = [f"a{i}" for i in range(n1)], [f"b{i}" for i in range(n2)]
+    last = front[-1]
+
+    def rows(names: list[str], A: np.ndarray, entry: str) -> dict[str, str]:
+        texts = {
+            n: " + ".join(f"{A[i, j]:.17g}*{m}" for j, m in enumerate(names) if A[i, j]) for i, n in enumerate(names)
+        }
+        return texts | {names[0]: f"{texts[names[0]]} + {entry}"}
+
+    memories = [f"z{i}m" for i in range(len(WIDTHS))]
+    plant = {
+        "id": "chains",
+        "time": {"kind": "discrete", "period": 0.01},
+        "states": [{"name": n, "scale": 1} for n in (*front, *back, "before", *memories)],
+        "inputs": [{"name": "u"}],
+        "definitions": [
+            {"name": f"z{i}", "expression": f"backlash({last}, {last} - before, z{i}m, 1, 1, {w}, {w})"}
+            for i, w in enumerate(WIDTHS)
+        ]
+        + [{"name": "v", "expression": " + ".join(f"z{i}" for i in range(len(WIDTHS)))}],
+        "outputs": [{"name": "y", "expression": back[-1], "scale": 1}],
+        "dynamics": rows(front, A1, "0.4*u")
+        | rows(back, A2, "0.3*v")
+        | {"before": last}
+        | {m: f"z{i}" for i, m in enumerate(memories)},
+    }
+    return plant, A1, A2
+
+
+@pytest.mark.parametrize(("n1", "n2"), [(1, 1), (3, 2), (1, 4), (4, 1)])
+def test_chains_of_any_order_are_observed(n1, n2):
+    """The observer is (13) written as a loop over matrices, and its errors vanish, as Theorem 1 says."""
+    plant, A1, A2 = chained(n1, n2)
+    K2 = np.full(n2, 0.1)
+    start = {f"a{i}": 0.5 for i in range(n1)} | {f"b{i}": 0.2 for i in range(n2)}
+    result = other(plant, gains={"K": [*np.zeros(n1), *K2]}, initial=start, amplitude=3.0).run()
+    width = np.array(WIDTHS)
+    a, b, z = np.zeros(n1), np.zeros(n2), np.zeros(len(WIDTHS))
+    ahat, bhat, zhat = np.full(n1, 0.5), np.full(n2, 0.2), np.zeros(len(WIDTHS))
+    before = 0.5
+    for k, u in enumerate(wave(3.0, 400)):
+        shown = [result.column(f"o.x.{name}")[k] for name in start]
+        np.testing.assert_allclose(shown, [*ahat, *bhat], atol=1e-10)
+        z = np.clip(z, a[-1] - width, a[-1] + width)
+        last = ahat[-1]  # the memories hold at the start, whatever x̂ is: (6)–(8) are no play operator there
+        zhat = np.where((last > before) & (last > zhat + width), last - width, zhat)
+        zhat = np.where((last < before) & (last < zhat - width), last + width, zhat)
+        r, before = b[-1] - bhat[-1], last
+        a, b = A1 @ a + np.eye(n1)[0] * 0.4 * u, A2 @ b + np.eye(n2)[0] * 0.3 * z.sum()
+        ahat, bhat = A1 @ ahat + np.eye(n1)[0] * 0.4 * u, A2 @ bhat + np.eye(n2)[0] * 0.3 * zhat.sum() + K2 * r
+    for name in start:
+        error = result.column(f"o.x.{name}") - result.column(f"x.{name}")
+        assert np.abs(error[-100:]).max() < 1e-9, name
+    assert result.observers[0].facts["L1"] == [f"a{i}" for i in range(n1)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from thetascope.engine.model.plant_model import Model
-from thetascope.engine.model.result import Check
+from thetascope.engine.model.result import CANNOT_TELL, Check
 from thetascope.engine.observers.forms.sandwich_parts import Sandwich, blocks, memory_names, refused, sandwich
 from thetascope.engine.observers.support.common_checks import stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed
@@ -79,6 +79,27 @@ def describe(d: Draft, parts: Sandwich, at: ModelAt) -> None:
 
 
 # ---- the assumptions of Theorem 1 ------------------------------------------------------------------------------------
+
+
+def bounds(run: Observed) -> list[Check]:
+    """Check conditions 1 and 2 of Theorem 1: x1 is bounded, and so is its error at the start. Along one run both are
+    numbers: the largest norm of x1, and that of e1 at the first sample."""
+    names = run.facts["L1"]
+    states = [state["name"] for state in run.context.model["states"]]
+    found = []
+    for code, condition in (("check.sandwich-bounds.state", 1), ("check.sandwich-bounds.start", 2)):
+        source = f"{SOURCE}, Theorem 1, condition {condition}"
+        if run.truth is None or not names:
+            found.append(Check(Message(code), CANNOT_TELL, Message("check.sandwich-bounds.record"), source=source))
+            continue
+        true = run.truth.x[:, [states.index(name) for name in names]]
+        estimated = np.stack([run.values[f"x.{name}"] for name in names], 1)
+        norms = np.linalg.norm(true if condition == 1 else estimated[:1] - true[:1], axis=1)
+        norms = norms[np.isfinite(norms)]
+        value = float(norms.max()) if len(norms) else np.nan
+        text = Message(f"{code}.norm", value=value)
+        found.append(Check(Message(code), verdict(bool(len(norms))), text, value, None, source))
+    return found
 
 
 def linear_checks(run: Observed) -> list[Check]:

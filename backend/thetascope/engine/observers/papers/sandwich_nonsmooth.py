@@ -21,6 +21,7 @@ from thetascope.engine.observers.papers.sandwich_common import (
     SOURCE,
     K,
     begin,
+    bounds,
     describe,
     injection,
     linear_checks,
@@ -85,13 +86,20 @@ def hysteresis_outputs(d: Draft) -> list[Symbol]:
 
 
 def diagnostics(run: Observed) -> dict[str, np.ndarray]:
-    """``zone.i``: 1 rising, −1 falling, 0 memory, per operator; and the estimated output of the hysteresis."""
-    return {name: run.values[name] for name in (*run.facts["zones"], *run.facts["hysteresis"])}
+    """``zone.i``: 1 rising, −1 falling, 0 memory, per operator; the estimated output v of the hysteresis, and
+    ``true.v``: v of the model at the true states, the paper's Fig. 3."""
+    hysteresis = run.facts["hysteresis"]
+    columns = {name: run.values[name] for name in (*run.facts["zones"], *hysteresis)}
+    if run.truth is None or run.probe is None or not hysteresis:
+        return columns
+    states = [f"xh.{state['name']}" for state in run.context.model["states"]]
+    true = run.probe(hysteresis, run.values | dict(zip(states, run.truth.x.T, strict=True)))
+    return columns | {f"true.{name}": values for name, values in zip(hysteresis, true, strict=True)}
 
 
 def checks(run: Observed) -> list[Check]:
     """Check the conditions of Theorem 1."""
-    return [*linear_checks(run), zones_check(run), rank_check(run)]
+    return [*bounds(run), *linear_checks(run), zones_check(run), rank_check(run)]
 
 
 def zones_check(run: Observed) -> Check:
