@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 from thetascope import __version__
 from thetascope.cli.argparse_words import translate_argparse
-from thetascope.cli.mapping_options import add_mapping_options
+from thetascope.cli.records.mapping_options import add_mapping_options
 from thetascope.cli.words import Words, chosen_language
 from thetascope.messages import Message
 from thetascope.process_settings import collect_as_usual, collect_rarely, use_one_thread
@@ -248,25 +248,25 @@ def _trial(options: argparse.Namespace, say: Words) -> int:
 
 
 def _hysteresis(options: argparse.Namespace, say: Words) -> int:
-    from thetascope.cli.hysteresis_command import hysteresis_command
+    from thetascope.cli.records.hysteresis_command import hysteresis_command
 
     return hysteresis_command(options, say)
 
 
 def _fit(options: argparse.Namespace, say: Words) -> int:
-    from thetascope.cli.diagnose_command import fit_command
+    from thetascope.cli.records.diagnose_command import fit_command
 
     return fit_command(options, say)
 
 
 def _diagnose(options: argparse.Namespace, say: Words) -> int:
-    from thetascope.cli.diagnose_command import diagnose_command
+    from thetascope.cli.records.diagnose_command import diagnose_command
 
     return diagnose_command(options, say)
 
 
 def _inspect(options: argparse.Namespace, say: Words) -> int:
-    from thetascope.cli.inspect_command import inspect_command
+    from thetascope.cli.records.inspect_command import inspect_command
 
     return inspect_command(options, say)
 

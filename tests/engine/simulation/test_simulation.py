@@ -103,6 +103,10 @@ def test_columns_have_the_documented_order():
         "adaptive.theta.force",
         "adaptive.y.y",
         "adaptive.pe",
+        "adaptive.gramian.1",
+        "adaptive.V",
+        "adaptive.V1",
+        "adaptive.V2",
         "adaptive.sigma.force",
     )
     np.testing.assert_array_equal(result.column("t"), np.arange(21) * 10 * 0.005)

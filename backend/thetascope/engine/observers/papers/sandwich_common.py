@@ -87,7 +87,11 @@ def bounds(run: Observed) -> list[Check]:
     names = run.facts["L1"]
     states = [state["name"] for state in run.context.model["states"]]
     found = []
-    for code, condition in (("check.sandwich-bounds.state", 1), ("check.sandwich-bounds.start", 2)):
+    conditions = (
+        ("check.sandwich-bounds.state", "check.sandwich-bounds.state.norm", 1),
+        ("check.sandwich-bounds.start", "check.sandwich-bounds.start.norm", 2),
+    )
+    for code, said, condition in conditions:
         source = f"{SOURCE}, Theorem 1, condition {condition}"
         if run.truth is None or not names:
             found.append(Check(Message(code), CANNOT_TELL, Message("check.sandwich-bounds.record"), source=source))
@@ -97,7 +101,7 @@ def bounds(run: Observed) -> list[Check]:
         norms = np.linalg.norm(true if condition == 1 else estimated[:1] - true[:1], axis=1)
         norms = norms[np.isfinite(norms)]
         value = float(norms.max()) if len(norms) else np.nan
-        text = Message(f"{code}.norm", value=value)
+        text = Message(said, value=value)
         found.append(Check(Message(code), verdict(bool(len(norms))), text, value, None, source))
     return found
 

@@ -9,7 +9,7 @@ import yaml
 from thetascope.assembly import RecordBytes, carry_out, prepare, record_experiment, with_rows
 from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, fitted_plant
 from thetascope.assembly.analyses.record_inspection import recording_in
-from thetascope.cli.inspect_command import assumed, inspected_record, mapping_of_options
+from thetascope.cli.records.inspect_command import assumed, inspected_record, mapping_of_options
 from thetascope.cli.run_command import write
 from thetascope.cli.terminal import number, table
 from thetascope.cli.words import Words

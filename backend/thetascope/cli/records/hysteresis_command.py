@@ -20,10 +20,11 @@ from thetascope_schemas.texts.refusal import suggestion
 
 def hysteresis_command(options: argparse.Namespace, say: Words) -> int:
     """Print the operators that explain one column of a file by another; write them as text of a plant with --out."""
-    columns = _columns(options.data, options.input, options.output)
+    read = _read(options.data)
+    x, v = _column(read, options.input), _column(read, options.output)
     try:
         thresholds = _numbers(options.thresholds) if options.thresholds else None
-        fit = identify(*columns, options.operators, thresholds)
+        fit = identify(x, v, options.operators, thresholds)
     except SpecError as error:
         raise from_engine(error) from None
     head = [say(f"cli.hysteresis.{name}") for name in ("threshold", "weight", "deviation")]
@@ -56,20 +57,20 @@ def plant_text(fit: HysteresisFit, x: str) -> str:
     return yaml.safe_dump(parts, sort_keys=False, allow_unicode=True, width=1000)
 
 
-def _columns(path: Path, *names: str) -> list[np.ndarray]:
-    """Return columns of a file by their names. Raises DocumentError for the file, InvalidSpec for a name."""
+def _read(path: Path) -> Table:
+    """Return the table of a file. Raises DocumentError."""
     try:
         if path.stat().st_size > MOST_BYTES:
             raise SpecError("file", path.name[-60:], Message("record.file.too-large", limit=MOST_BYTES // 1024**2))
-        read = read_table(path.name, path.read_bytes())
+        return read_table(path.name, path.read_bytes())
     except OSError as error:
         raise unreadable(path, error) from None
     except SpecError as error:
         raise DocumentError(error.problem, name=str(path), remedy=error.remedy) from None
-    return [_column(read, name) for name in names]
 
 
 def _column(read: Table, name: str) -> np.ndarray:
+    """Return a column of numbers. Raises InvalidSpec for a name that the file lacks."""
     known = {column.name: column for column in read.columns}
     if name not in known:
         hint = Message.from_data(suggestion(name, known))
