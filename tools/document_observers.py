@@ -96,6 +96,7 @@ def section(kind: Observer) -> str:
     module = import_module(kind.write.__module__)
     times = {"continuous": "in continuous time", "discrete": "at the sample period", "plant": "in the plant's own time"}
     estimates = "the state and the faults" if kind.estimates_theta else "the state"
+    estimates += ", gives residuals" if kind.residuals else ""
     file = "backend/" + module.__name__.replace(".", "/") + ".py"
     parts = [
         f'## <a id="{kind.id}"></a>{kind.title}\n',

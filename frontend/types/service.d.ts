@@ -2460,6 +2460,10 @@ export interface ObserverKind {
   when: string;
   time: string;
   estimates_theta: boolean;
+  /** Whether faults of the plant can be chosen for it. */
+  takes_channels: boolean;
+  /** Whether it has residuals that name a fault; above 1 is an alarm. */
+  residuals: boolean;
   /** Whether it takes, by default, only the faults of a plant that it can tell apart. */
   chooses: boolean;
   gains: (GainForm)[];

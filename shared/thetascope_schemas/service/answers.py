@@ -115,6 +115,8 @@ class ObserverKind(Strict):
     when: str = Field(description="When to take it: the end of a sentence.")
     time: str
     estimates_theta: bool
+    takes_channels: bool = Field(description="Whether faults of the plant can be chosen for it.")
+    residuals: bool = Field(description="Whether it has residuals that name a fault; above 1 is an alarm.")
     chooses: bool = Field(
         description="Whether it takes, by default, only the faults of a plant that it can tell apart."
     )

@@ -21,6 +21,8 @@ def _kind(kind: Observer, language: str) -> dict:
         "when": text_of(kind.when, language),
         "time": kind.time,
         "estimates_theta": kind.estimates_theta,
+        "takes_channels": kind.takes_channels,
+        "residuals": kind.residuals,
         "chooses": kind.chooses is not None,
         "gains": [_gain(g, language) for g in kind.gains],
         "options": [_option(o, language) for o in kind.options],

@@ -97,7 +97,7 @@ def _suits(kind: Observer, plant: Plant) -> None:
 def _channels(kind: Observer, config: ObserverConfig, plant: Plant) -> tuple[str, ...] | None:
     """Return the channels that it estimates by the option ``channels`` (comma separated); None without it."""
     names = [c.name for c in plant.channels]
-    if not kind.estimates_theta:
+    if not kind.takes_channels:
         return ()
     requested = config.options.get("channels")
     if requested is None:
@@ -172,7 +172,7 @@ def _wished(kind: Observer, config: ObserverConfig) -> str:
 
 def _options(kind: Observer, config: ObserverConfig, context: Context) -> dict:
     known = {o.name: o for o in kind.options}
-    general = {"channels"} if kind.estimates_theta else set()
+    general = {"channels"} if kind.takes_channels else set()
     general |= {"period"} if kind.time == "discrete" else set()
     rest = {k: v for k, v in config.options.items() if k not in general}
     refuse_unknown("options", rest, {*known, *general}, Message("observer.option.unknown", kind=kind.id))

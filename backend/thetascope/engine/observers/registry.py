@@ -26,6 +26,7 @@ _MODULES = {
     "sliding-mode": "classical.sliding_mode",
     "unknown-input": "classical.unknown_input",
     "drem": "classical.drem",
+    "parity": "classical.parity",
 }
 
 

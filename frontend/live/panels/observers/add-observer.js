@@ -191,7 +191,7 @@ function free(base, observers) {
  */
 function optionFields(kind, plant, inputs) {
   const fields = [];
-  if (kind.estimates_theta && plant.channels.length > 1) fields.push(channelField(plant, inputs, kind.chooses));
+  if (kind.takes_channels && plant.channels.length > 1) fields.push(channelField(plant, inputs, kind.chooses));
   for (const option of kind.options) {
     const input =
       option.kind === 'choice'

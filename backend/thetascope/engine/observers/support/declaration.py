@@ -248,6 +248,7 @@ class Observer:
     options: tuple[Option, ...] = ()
     time: str = "continuous"  # "discrete": works at a sample period; "plant": in the plant's own time
     estimates_theta: bool = True
+    residuals: bool = False  # columns `residual.<channel>` in `diagnostics`: above 1 is an alarm
     takes_events: bool = False  # its theory allows for states that jump
     diagnostics: Callable[[Observed], dict[str, np.ndarray]] = lambda run: {}
     equations: tuple[tuple[str, str], ...] = ()
@@ -255,6 +256,11 @@ class Observer:
     chooses: Callable[[Context], tuple[str, ...]] | None = None
     constants: Callable[[Context], dict[str, np.ndarray]] | None = None
     carried: Callable[[Context], Sequence[tuple[float, float]]] = lambda context: ()
+
+    @property
+    def takes_channels(self) -> bool:
+        """Return whether it is made for a choice of fault channels: to estimate them, or for residuals."""
+        return self.estimates_theta or self.residuals
 
     @property
     def title(self) -> Message:
