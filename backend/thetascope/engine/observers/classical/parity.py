@@ -105,6 +105,8 @@ def complement(M: np.ndarray) -> np.ndarray:
 
 def fits(point: Point) -> bool:
     """Return whether there are outputs left when a fault is projected out, and each fault shows in some output."""
+    if not point.channels:
+        return True
     effects = np.vstack([point.Phi, point.Psi])
     return len(point.C) > 1 and bool((np.linalg.norm(effects, axis=0) > DISTINCT).all())
 
