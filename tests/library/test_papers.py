@@ -11,6 +11,7 @@ from tests.simulate import simulate
 from thetascope import figures, library
 from thetascope.assembly.paper_page import paper_page
 from thetascope.engine.model.result import Result
+from thetascope.engine.observers.registry import kinds
 from thetascope.runs.results.measures import Readings, columns_read, value_of
 from thetascope_schemas.service.learning.measures import Decays, Level, Rises, Settles
 from thetascope_schemas.service.learning.paper import Paper, PaperNumber
@@ -109,3 +110,17 @@ def test_rates_shares_and_windows_are_measured_as_defined():
     assert value_of(Level(take="rms", column="sine"), readings) == pytest.approx(np.sqrt(0.5), abs=1e-3)
     assert value_of(Settles(column="kick", to=0, within=1), readings) is None
     assert value_of(Settles(column="kick", to=0, within=1, end=8), readings) == 0
+
+
+def test_the_table_of_statements_names_checks_and_experiments_that_exist():
+    """docs/papers.md: what it calls a check is one of a run, and each experiment, plant, observer and figure exists."""
+    table = (FILE.parent / "papers.md").read_text(encoding="utf-8")
+    runs = ("zhao-2012-noise-free", "shen-hu-2015-noise-free", "reduced-order-mimo", "zhou-tan-2012")
+    checks = {check.name.text("en") for run in runs for one in result(run).observers for check in one.checks}
+    rows = [row for row in table.splitlines() if row.startswith("|") and "heck" in row]
+    named = [name for row in rows for name in re.findall(r"\*([^*]+)\*", row)]
+    assert len(named) > 15 and set(named) <= checks, set(named) - checks
+    known = {*library.experiments(), *library.plants(), *kinds()}
+    known |= {figure.name for spec in library.experiments().values() for figure in spec.figures}
+    for name in re.findall(r"`([a-z]+(?:-[a-z0-9]+)+)`", table):
+        assert name in known, name
