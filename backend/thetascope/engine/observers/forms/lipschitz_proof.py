@@ -271,7 +271,7 @@ def _change(best: _Trial, floor: float, d: np.ndarray, rho: float, other: np.nda
     if share <= 0:
         return Message("check.shen-theorem.rho", rho=rho, most=len(d) ** -1.5)
     if share * ceiling <= floor:
-        return Message("check.shen-theorem.no-k", floor=floor, ceiling=ceiling, share=share)
+        return Message("check.shen-theorem.no-k", floor=floor / share, ceiling=ceiling)
     if other is not None:
         return Message("check.shen-theorem.this-k", K=[f"{k:.5g}" for k in other], short=-best.excess)
     return Message("check.shen-theorem.another-k", short=-best.excess)
