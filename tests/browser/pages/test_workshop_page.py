@@ -193,6 +193,7 @@ def test_the_pages_link_to_each_other_and_share_the_language(page, server):
     """All pages are one click away, and a chosen language applies to all."""
     opened = page("/plants/")
     opened.wait_for_url(f"{server}/workshop/**")
+    opened.bring_to_front()
     opened.click(".top .languages")
     until(opened, "document.querySelector('.pages [aria-current]')?.textContent === '工作台'")
     opened.bring_to_front()

@@ -251,6 +251,10 @@ def test_every_kind_of_observer_runs_on_a_plant_with_algebraic_variables_or_says
     observers = [{"label": kind, "kind": kind} for kind in possible]
     result = run(SPEC | {"observers": observers, "noise": noise, "faults": faults, "step": 0.001})
     for kind in possible:
+        residuals = [name for name in result.names if name.startswith(f"{kind}.residual.")]
+        if residuals:  # a kind that gives residuals estimates nothing
+            assert all(np.isfinite(result.column(name)[-1]) for name in residuals)
+            continue
         assert abs(result.column(f"{kind}.theta.leak")[-1] - 0.002) < 4 * result.column(f"{kind}.sigma.leak")[-1] + 1e-4
 
 
