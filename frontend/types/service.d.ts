@@ -2042,7 +2042,7 @@ export interface MeasureRow {
 
 /** The measured numbers by name. */
 export interface Measured {
-  /** In the unit of the column, or in s; null: there is none. */
+  /** In the unit of the column, or in s; null: nothing was measured. */
   values: {[name: string]: number | null};
 }
 
@@ -2686,7 +2686,7 @@ export interface PaperEquation {
   number: string;
   /** The formula in TeX, in the paper's notation. */
   tex: string;
-  /** What it is for, or how it is read here. */
+  /** Its purpose, or its reading here. */
   about: Words | null;
 }
 
@@ -2723,7 +2723,7 @@ export interface PaperNumber {
   experiment: string;
   measure: Settles | Level | Crosses | Counts | Decays | Rises | Found | Diverged | GainNow;
   unit: string;
-  /** The value of an independent computation; null: there is none. */
+  /** The value of an independent computation; null: not computed. */
   expected: number | null;
   /** How far the measured value may be from it, in the same unit. */
   within: number;

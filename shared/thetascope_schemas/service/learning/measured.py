@@ -23,4 +23,6 @@ class Measured(Strict):
 
     model_config = example(values={"bias": 0.02})
 
-    values: dict[str, Number | None] = Field(description="In the unit of the column, or in s; null: there is none.")
+    values: dict[str, Number | None] = Field(
+        description="In the unit of the column, or in s; null: nothing was measured."
+    )

@@ -65,7 +65,7 @@ class PaperEquation(Strict):
 
     number: str = Field(default="", max_length=20, description="Its number in the paper; empty: it has none.")
     tex: Tex
-    about: Words | None = Field(default=None, description="What it is for, or how it is read here.")
+    about: Words | None = Field(default=None, description="Its purpose, or its reading here.")
 
 
 class PaperFigure(Strict):
@@ -90,7 +90,7 @@ class PaperNumber(Strict):
     experiment: Identifier
     measure: Measure
     unit: str = Field(default="", max_length=20)
-    expected: Number | None = Field(description="The value of an independent computation; null: there is none.")
+    expected: Number | None = Field(description="The value of an independent computation; null: not computed.")
     within: Positive = Field(description="How far the measured value may be from it, in the same unit.")
 
 

@@ -117,7 +117,7 @@ def _slopes(run: Observed, blocks: list[int]) -> np.ndarray | None:
 
 
 def _measured(run: Observed) -> float | None:
-    """Return the rate in 1/s at which the scaled error of the state falls along the run; None if there is none."""
+    """Return the rate in 1/s at which the scaled error of the state falls along the run; None: not measurable."""
     if run.truth is None:
         return None
     states = [state["name"] for state in run.context.model["states"]]
