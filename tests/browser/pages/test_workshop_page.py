@@ -193,12 +193,12 @@ def test_the_pages_link_to_each_other_and_share_the_language(page, server):
     """All pages are one click away, and a chosen language applies to all."""
     opened = page("/plants/")
     opened.wait_for_url(f"{server}/workshop/**")
-    opened.bring_to_front()
-    opened.click(".top .languages")
+    until(opened, "document.querySelector('.top .languages') !== null")
+    # clicked by script: after the redirect the browser may show no frames for minutes, and the mouse waits for them
+    opened.evaluate("document.querySelector('.top .languages').click()")
     until(opened, "document.querySelector('.pages [aria-current]')?.textContent === '工作台'")
-    opened.bring_to_front()
-    opened.click(".pages a:text-is('仿真')")
+    opened.evaluate("[...document.querySelectorAll('.pages a')].find((a) => a.textContent === '仿真').click()")
     opened.wait_for_url(f"{server}/runs/**")
     until(opened, "document.querySelector('.pages [aria-current]')?.textContent === '仿真'")
-    opened.click(".pages a:text-is('实时')")
+    opened.evaluate("[...document.querySelectorAll('.pages a')].find((a) => a.textContent === '实时').click()")
     until(opened, "document.querySelector('#panel-inject h2')?.textContent === '注入故障'")
