@@ -276,8 +276,10 @@ def test_poles_and_gains_exclude_each_other():
 
 
 def slopes_of_the_paper(run):
-    """Return ∂(α + F u)/∂(ẑ2, ẑ4) by hand: z2' = z2 + sin t x̂2 − (2 + cos t)(x̂4² + …) and z4' = z4 + sin t x̂2 + …, with
-    x̂2 = (y1 − ẑ2)/(2 + cos t) and x̂4 = ẑ4 − y2."""
+    """Return ∂(α + F u)/∂(ẑ2, ẑ4) by hand.
+
+    z2' = z2 + sin t x̂2 − (2 + cos t)(x̂4² + …), z4' = z4 + sin t x̂2 + …, x̂2 = (y1 − ẑ2)/(2 + cos t), x̂4 = ẑ4 − y2.
+    """
     t, x4 = run.column("t"), run.column("reduced.x.x4")
     scale, made = 2 + np.cos(t), np.empty((len(t), 2, 2))
     made[:, 0, 0], made[:, 0, 1] = 1 - np.sin(t) / scale, -2 * scale * x4
@@ -303,6 +305,8 @@ def test_the_bound_of_remark_1_is_that_of_its_formula():
     assert shown.text.args["gamma"] == pytest.approx(gamma, rel=0.01)
     assert shown.value == pytest.approx(gamma - 5, rel=0.01) and shown.verdict == "fails"
     assert 5 < shown.text.args["rate"] < 8
+    growing = check(with_gain([2.0, 2.0]), "check.reduced-rate")
+    assert "rate" not in growing.text.args and growing.text.args["ratio"] == pytest.approx(1.03, abs=0.02)
 
 
 def test_the_bound_holds_where_its_assumptions_do():

@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from typing import TypeVar
+from weakref import WeakValueDictionary
 
 import orjson
 from fastapi import Request
@@ -23,6 +24,8 @@ from thetascope_schemas.service.run import Progress, Run
 
 Value = TypeVar("Value")
 
+_AT_ONCE = 2
+"""Values from results that are built at a time for one client."""
 _PIECE = 256 * 1024
 """Bytes of a large answer that are sent together."""
 
@@ -121,15 +124,28 @@ async def from_result(request: Request, services: Services, id: str, make: Calla
         run = services.runs.finished(id, client)
         return run if isinstance(run, Job) else make(run)
 
-    answer = await run_in_threadpool(attempt)
+    answer = await _in_turn(request, attempt)
     if not isinstance(answer, Job):
         return answer
     job = answer
     await ended(job, services.settings.wait)
-    answer = await run_in_threadpool(attempt)
+    answer = await _in_turn(request, attempt)
     if isinstance(answer, Job):
         raise NotReady(Message("run.not-done", share=answer.progress, href=run_links(id)["progress"]))
     return answer
+
+
+_turns: WeakValueDictionary[str, asyncio.Semaphore] = WeakValueDictionary()
+
+
+async def _in_turn(request: Request, work: Callable[[], Value]) -> Value:
+    """Return what `work` returns in a thread; a client has few at a time, so that it never takes all."""
+    client = client_of(request)
+    turn = _turns.get(client)
+    if turn is None:
+        turn = _turns[client] = asyncio.Semaphore(_AT_ONCE)
+    async with turn:
+        return await run_in_threadpool(work)
 
 
 def _time(seconds: float) -> datetime:

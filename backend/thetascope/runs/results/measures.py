@@ -165,7 +165,8 @@ def _decay(measure: Decays, readings: Readings) -> float | None:
     size = np.abs(_values(measure, readings)[rows])
     if size.size < 2 or not np.all(size > 0):
         return None
-    return -float(np.polyfit(readings.t[rows], np.log(size), 1)[0])
+    t = readings.t[rows] - readings.t[rows].mean()
+    return -float(t @ np.log(size) / (t @ t))  # the slope of the line of least squares
 
 
 def _rises(measure: Rises, readings: Readings) -> float | None:

@@ -25,6 +25,10 @@ _DIFFERENCE = 1e-5
 """Half the distance of a central difference, of a coordinate's size along the run."""
 _DISTINCT = 1e8
 """Condition of V above which (16) has no usable V: poles coincide."""
+_POOR = 0.1
+"""Of the variance of log ‖e‖: a line that leaves more of it gives no rate."""
+_FEWEST = 10
+"""Rows from which a rate is taken."""
 _ROUNDING = 1e-9
 """Of the largest error: below it errors are rounding and have no rate."""
 
@@ -61,11 +65,8 @@ def _remark(run: Observed, closed: np.ndarray, slopes: np.ndarray | None, blocks
     ends = np.cumsum([size for size in blocks if size]) - 1  # the rows of B̃ with an entry
     alpha = float(slowest + gamma * np.linalg.norm(V[:, ends], 2) * np.linalg.norm(vectors, 2))
     args = {"alpha": alpha, "gamma": gamma, "pole": slowest}
-    measured = _measured(run)
-    if measured is not None:
-        text = Message("check.reduced-rate.measured", **args, rate=measured)
-    else:
-        text = Message("check.reduced-rate.bound", **args)
+    code, measured = _measured(run)
+    text = Message(code, **args, **measured)
     met = None if alpha < 0 and not run.facts["affine"] else alpha < 0  # elsewhere γ may be larger
     return Check(name, verdict(met), text, alpha, 0.0, source)
 
@@ -116,18 +117,24 @@ def _slopes(run: Observed, blocks: list[int]) -> np.ndarray | None:
     return made if len(made) else None
 
 
-def _measured(run: Observed) -> float | None:
-    """Return the rate in 1/s at which the scaled error of the state falls along the run; None: not measurable."""
+def _measured(run: Observed) -> tuple[str, dict[str, float]]:
+    """Return how the scaled error of the state changes along the run: the code of the sentence and its numbers.
+
+    A rate in 1/s where one line fits the logarithm of the error well; otherwise the share of the error that is left.
+    """
     if run.truth is None:
-        return None
+        return "check.reduced-rate.bound", {}
     states = [state["name"] for state in run.context.model["states"]]
     error = np.stack([run.values[f"x.{s}"] for s in states], 1) - run.truth.x
     size = np.linalg.norm(error / np.array(state_scales(run.context)), axis=1)
     usable = np.isfinite(size)
     usable &= size > _ROUNDING * np.max(size, initial=0.0, where=usable)
-    if usable.sum() < 10:
-        return None
     end = int(np.argmin(usable)) if not usable.all() else len(usable)
-    if end < 10:
-        return None
-    return -float(np.polyfit(run.values["t"][:end], np.log(size[:end]), 1)[0])
+    if end < _FEWEST:
+        return "check.reduced-rate.bound", {}
+    t, logarithm = run.values["t"][:end], np.log(size[:end])
+    rate, start = np.polyfit(t, logarithm, 1)
+    left = logarithm - start - rate * t
+    if rate < 0 and left @ left <= _POOR * float(np.sum((logarithm - logarithm.mean()) ** 2)):
+        return "check.reduced-rate.measured", {"rate": -float(rate)}
+    return "check.reduced-rate.left", {"ratio": float(size[end - 1] / size[0])}

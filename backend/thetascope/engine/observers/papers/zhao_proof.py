@@ -2,7 +2,8 @@
 
 V = ηᵀSη + θ̃ᵀΓ⁻¹θ̃ with η = z̃ − Υθ̃ and z̃ = ρΔ⁻¹x̃ in canonical coordinates, x̃ = x̂ − x, θ̃ = θ̂ − θ. The constants
 c1 … c10 of (39)–(42) are suprema; along one run the largest values are lower bounds of them. Norms are spectral, in the
-plant's own units, as the paper has them.
+plant's own units, as the paper has them. The proof takes all but ρ for constants, but Υ and Γ are those of the present
+ρ and λ: with other gains the constants, and the ρ that they ask for, are others.
 """
 
 from __future__ import annotations
