@@ -1,4 +1,4 @@
-"""The command line: `thetascope serve | key | run | figure | trial | diagnose | fit | hysteresis | inspect |
+"""The command line: `thetascope serve | key | run | figure | trial | bench | diagnose | fit | hysteresis | inspect |
 list | check`, and `backup | restore | verify` for the store of runs.
 
 Exit codes: 0 done, 1 refused or failed (with the reason), 2 wrong usage, 130 interrupted. Commands import their modules
@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 from thetascope import __version__
 from thetascope.cli.argparse_words import translate_argparse
+from thetascope.cli.bench_options import TABLES, add_bench_options
 from thetascope.cli.records.mapping_options import add_mapping_options
 from thetascope.cli.words import Words, chosen_language
 from thetascope.messages import Message
@@ -150,6 +151,10 @@ def _judging(commands: Any, say: Words) -> None:
     trial.add_argument("--quiet", action="store_true", help=say("cli.help.no-progress"))
     trial.set_defaults(command=_trial)
 
+    bench = commands.add_parser("bench", help=say("cli.bench"), description=say("cli.bench.description"))
+    add_bench_options(bench, say, _checked(_count, say), _checked(lambda text: _output(text, TABLES), say))
+    bench.set_defaults(command=_bench)
+
     diagnose = commands.add_parser("diagnose", help=say("cli.diagnose"), description=say("cli.diagnose.description"))
     diagnose.add_argument("plant", metavar="PLANT|PLANTFILE", help=say("cli.help.plant"))
     diagnose.add_argument("data", metavar="DATA", type=Path, help=say("cli.help.data"))
@@ -251,6 +256,12 @@ def _hysteresis(options: argparse.Namespace, say: Words) -> int:
     from thetascope.cli.records.hysteresis_command import hysteresis_command
 
     return hysteresis_command(options, say)
+
+
+def _bench(options: argparse.Namespace, say: Words) -> int:
+    from thetascope.cli.bench_command import bench_command
+
+    return bench_command(options, say)
 
 
 def _fit(options: argparse.Namespace, say: Words) -> int:

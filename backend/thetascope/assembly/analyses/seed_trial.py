@@ -25,22 +25,24 @@ LATEST = 400  # number of values from which tutorials compute the band
 class Raised:
     """An alarm of a decision rule: its time, and the channels that it names (none: not explained).
 
-    ``onset`` and ``size`` are the intervals that it reports for its first channel, if any.
+    ``onset`` and ``size`` are the intervals that it reports for its first channel, if any, and ``estimate`` is the size.
     """
 
     t: float
     channels: tuple[str, ...]
     onset: tuple[float, float] | None = None
     size: tuple[float, float] | None = None
+    estimate: float | None = None
 
 
 @dataclass(frozen=True)
 class TrueFault:
-    """A fault of the experiment; ``size`` is None unless it is a step that lasts to the end."""
+    """A fault of the experiment; ``size`` is None unless it is a step, and the only fault of its channel."""
 
     channel: str
     onset: float
     size: float | None
+    end: float = np.inf
 
 
 @dataclass
@@ -71,19 +73,23 @@ class Tally:
     alternative: dict[str, int] = field(default_factory=dict)  # of these, named as an alternative
     wrong: int = 0
     delays: list[float] = field(default_factory=list)
+    size_errors: list[float] = field(default_factory=list)  # relative to the true size, without sign
     onset: Coverage = field(default_factory=Coverage)
     size: Coverage = field(default_factory=Coverage)
 
     def count(self, alarms: list[Raised], faults: list[TrueFault]) -> None:
-        """Add a run with faults. Intervals are those of the last alarm that names the fault first."""
+        """Add a run with faults. Sizes and intervals are those of the last alarm that names the fault first."""
         first = min((f.onset for f in faults), default=np.inf)
         self.before += any(a.t < first for a in alarms)
         for fault in faults:
             channel, onset = fault.channel, fault.onset
-            last = next((a for a in reversed(alarms) if a.t >= onset and a.channels[:1] == (channel,)), None)
+            present = (a for a in reversed(alarms) if onset <= a.t < fault.end)
+            last = next((a for a in present if a.channels[:1] == (channel,)), None)
             if last is not None:
                 self.onset.count(last.onset, onset)
                 self.size.count(last.size, fault.size)
+                if last.estimate is not None and fault.size:
+                    self.size_errors.append(abs(last.estimate / fault.size - 1))
             hit = next((a for a in alarms if a.t >= onset and channel in a.channels), None)
             if hit is not None:
                 self.found[channel] = self.found.get(channel, 0) + 1
@@ -109,12 +115,16 @@ class Trial:
 
 
 def trial(
-    prepared: Prepared, seeds: int, lock: float | None = None, progress: Callable[[float], None] | None = None
+    prepared: Prepared,
+    seeds: int,
+    lock: float | None = None,
+    progress: Callable[[float], None] | None = None,
+    watch: Callable[[Result], None] | None = None,
 ) -> Trial:
     """Run an experiment without timed commands ``seeds`` times with its faults and as often without.
 
     ``lock``: time in s at which a band of three standard deviations about each estimate is fixed, as in tutorials;
-    leaving the band is an alarm.
+    leaving the band is an alarm. ``watch`` is called with every result, one with faults and one without in turn.
     """
     spec = prepared.spec
     experiment = replace(prepared.stages[0].experiment, record=None)
@@ -126,6 +136,8 @@ def trial(
     for k in range(seeds):
         for base, faulty in ((experiment, True), (plain, False)):
             result = run([Stage(0, with_seed(base, spec.seed + k))], inspect=inspect)
+            if watch is not None:
+                watch(result)
             for name, alarms in _ways(result, lock):
                 tally = tallies.setdefault(name, Tally(name))
                 if faulty:
@@ -140,9 +152,8 @@ def trial(
 
 def _true_fault(fault: ChannelFault, of_its_channel: int) -> TrueFault:
     """Return a fault as the trial counts it."""
-    lasting = fault.end is None and of_its_channel == 1
-    size = fault.size if isinstance(fault, StepFault) and lasting else None
-    return TrueFault(fault.channel, fault.onset, size)
+    size = fault.size if isinstance(fault, StepFault) and of_its_channel == 1 else None
+    return TrueFault(fault.channel, fault.onset, size, np.inf if fault.end is None else fault.end)
 
 
 def _ways(result: Result, lock: float | None) -> Iterator[tuple[Message, list[Raised]]]:
@@ -175,7 +186,8 @@ def _raised(alarm: Alarm) -> Raised:
     if not alarm.channel:
         return Raised(alarm.t, ())
     size = None if alarm.size_from is None or alarm.size_to is None else (alarm.size_from, alarm.size_to)
-    return Raised(alarm.t, (alarm.channel, *alarm.alternatives), (alarm.onset_from, alarm.onset_to), size)
+    channels = (alarm.channel, *alarm.alternatives)
+    return Raised(alarm.t, channels, (alarm.onset_from, alarm.onset_to), size, alarm.size)
 
 
 def _locked(result: Result, label: str, lock: float, way: Literal["all", "latest", "claimed"] = "all") -> list[Raised]:

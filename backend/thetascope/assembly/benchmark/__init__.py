@@ -1,0 +1,1 @@
+"""The scoreboard: benchmark problems of the library with all observers and the detector."""
