@@ -25,7 +25,7 @@ LATEST = 400  # number of values from which tutorials compute the band
 class Raised:
     """An alarm of a decision rule: its time, and the channels that it names (none: not explained).
 
-    ``onset`` and ``size`` are the intervals that it reports for its first channel, if any, and ``estimate`` is the size.
+    ``onset`` and ``size`` are the intervals that it reports for its first channel, if any; ``estimate`` is its size.
     """
 
     t: float

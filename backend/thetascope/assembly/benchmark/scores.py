@@ -102,7 +102,7 @@ def score(job: Job) -> Score:
         try:
             return _counted(job, _with(spec, (ObserverConfig.model_validate(config),)))
         except SpecError as error:
-            refusal = refusal or error
+            refusal = error  # the last: without options, whose absence would otherwise be the reason
     assert refusal is not None
     why = Message("refusal.sentence", problem=refusal.problem, remedy=refusal.remedy)
     return Score(job.problem, job.rule, job.seeds, len(spec.faults), note=why)
