@@ -3950,6 +3950,8 @@ export interface RunComparison {
   measures: (MeasureRow)[];
   /** What this client noted about the comparison of these runs. */
   notes: string;
+  /** That the notes are damaged in the store and left out. */
+  warning: string;
   links: {[name: string]: string};
 }
 
@@ -3993,6 +3995,8 @@ export interface RunLine {
   name: string;
   /** Tags that this client gave it. */
   tags: (string)[];
+  /** That name and tags are damaged in the store and left out. */
+  warning: string;
   /** Whether this client may name, tag, pin and remove it. */
   mine: boolean;
   /** session: a live session that was saved; record: observers on a record. */

@@ -213,3 +213,23 @@ def test_a_damaged_field_hides_no_other_row_and_every_error_says_why(filled: Fil
                 assert status < 500 or b'"code":"store.' in content, (name, method, path, content[:300])
     finally:
         filled.mend()
+
+
+def test_a_damaged_name_or_note_is_left_out_with_a_warning(filled: Filled):
+    """One letter has changed. The text is not shown as the client's own, and a new one takes its place."""
+    run, path = filled.ids["runs"][0], filled.compared(0)
+    try:
+        with filled.opened() as connection:
+            connection.execute("UPDATE run_notes SET name = 'rum 0' WHERE run = ?", (run,))
+            connection.execute("UPDATE comparison_notes SET text = 'nose 0' WHERE text = 'note 0'")
+        (line,) = (line for line in filled.send("GET", "/api/runs?limit=50")["runs"] if line["id"] == run)
+        compared = filled.send("GET", path)
+        assert (line["name"], line["tags"], compared["notes"]) == ("", [], "")
+        assert "damaged in the store" in line["warning"] and "damaged in the store" in compared["warning"]
+        filled.send("PATCH", f"/api/runs/{run}", {"name": "new"})
+        filled.send("PUT", path.replace("?", "/notes?"), {"text": "new"})
+        compared = filled.send("GET", path)
+        assert (compared["runs"][0]["name"], compared["notes"], compared["warning"]) == ("new", "new", "")
+        assert not compared["runs"][0].get("warning")
+    finally:
+        filled.mend()

@@ -14,7 +14,7 @@ import pytest
 from tests.store.samples import made_record, made_result
 from tests.store.test_released_stores import CANCELLED, DONE, ENGINE, QUEUED, RELEASED
 from thetascope.store import Database, RunStore, StoreError, backup, opened, restore, verify
-from thetascope.store.tables import OWNERS
+from thetascope.store.notebook.owners import add_owners
 
 
 def fill(store: RunStore, count: int = 5) -> None:
@@ -23,7 +23,7 @@ def fill(store: RunStore, count: int = 5) -> None:
         store.put_result(f"r{i}", "e", made_result(seed=i))
     store.pin("r1", True)
     with store._database.writing() as connection:
-        connection.execute(OWNERS.insert(), [{"run": "r1", "owner": "ann"}, {"run": "r1", "owner": "bob"}])
+        add_owners(connection, "r1", ["ann", "bob"])
 
 
 def contents(place: Path | str) -> dict[str, list[tuple]]:

@@ -43,7 +43,9 @@ def test_facts_of_an_earlier_version_get_checksums(tmp_path):
     with closing(Database(path)) as database:
         RunStore(database, 10**9).put(made_record("a", facts=FACTS))
         with database.writing() as connection:
-            connection.exec_driver_sql("ALTER TABLE run_facts DROP COLUMN checksum")
+            for table in ("run_facts", "owners", "run_notes", "comparison_notes", "record_shares"):
+                connection.exec_driver_sql(f"ALTER TABLE {table} DROP COLUMN checksum")
+            connection.exec_driver_sql("ALTER TABLE record_shares DROP COLUMN owner_sum")
             connection.exec_driver_sql("DROP TABLE lessons")
             database.backend.set_version(connection, 6)
     with closing(Database(path)) as database:

@@ -1,10 +1,27 @@
 """The tables as a list of migrations: entry n upgrades a store from version n to n + 1. Entries are never edited."""
 
 from collections.abc import Callable
+from typing import Any
 
-from sqlalchemy import Connection, select, update
+from sqlalchemy import Connection, Table, select, update
 
-from thetascope.store.tables import RESULTS, RUN_FACTS, RUNS, facts_sum, outcome_sum, result_sum, spec_sum
+from thetascope.store.tables import (
+    COMPARISON_NOTES,
+    OWNERS,
+    RECORD_SHARES,
+    RESULTS,
+    RUN_FACTS,
+    RUN_NOTES,
+    RUNS,
+    comparison_sum,
+    facts_sum,
+    note_sum,
+    outcome_sum,
+    owner_sum,
+    result_sum,
+    share_sum,
+    spec_sum,
+)
 
 
 def add_checksums(connection: Connection) -> None:
@@ -26,6 +43,22 @@ def add_sums_of_facts(connection: Connection) -> None:
     for row in connection.execute(select(*columns)).all():
         here = RUN_FACTS.c.run == row.run
         connection.execute(update(RUN_FACTS).where(here).values(checksum=facts_sum(row.run, row)))
+
+
+def add_sums_of_owners(connection: Connection) -> None:
+    """Give owners of runs and records, names, tags and notes checksums."""
+    added: dict[Table, Callable[[Any], dict[str, str]]] = {
+        OWNERS: lambda row: {"checksum": owner_sum(row.run, row.owner)},
+        RUN_NOTES: lambda row: {"checksum": note_sum(row.run, row.owner, row.name, row.tags)},
+        COMPARISON_NOTES: lambda row: {"checksum": comparison_sum(row.runs, row.owner, row.text)},
+        RECORD_SHARES: lambda row: {"owner_sum": owner_sum(row.record, row.owner), "checksum": share_sum(row)},
+    }
+    for table, sums in added.items():
+        keys = list(table.primary_key)
+        columns = [column for column in table.c if column.name not in ("checksum", "owner_sum")]
+        for row in connection.execute(select(*columns)).all():
+            here = [key == getattr(row, key.name) for key in keys]
+            connection.execute(update(table).where(*here).values(**sums(row)))
 
 
 #: SQL for SQLite, whose types are translated for other databases, and functions for what SQL cannot do.
@@ -148,5 +181,13 @@ MIGRATIONS: tuple[tuple[str | Callable[[Connection], None], ...], ...] = (
             checksum TEXT NOT NULL,
             PRIMARY KEY (owner, id, version)
         )""",
+    ),
+    (
+        "ALTER TABLE owners ADD COLUMN checksum TEXT",
+        "ALTER TABLE run_notes ADD COLUMN checksum TEXT",
+        "ALTER TABLE comparison_notes ADD COLUMN checksum TEXT",
+        "ALTER TABLE record_shares ADD COLUMN owner_sum TEXT",
+        "ALTER TABLE record_shares ADD COLUMN checksum TEXT",
+        add_sums_of_owners,
     ),
 )

@@ -7,31 +7,50 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Row, case, delete, func, insert, select
-from sqlalchemy.dialects import postgresql, sqlite
+from sqlalchemy import Row, case, delete, func, insert, select, update
 
+from thetascope.messages import Message
 from thetascope.store.database import Database
+from thetascope.store.errors import Damaged
 from thetascope.store.notebook.facts import KINDS, RunFacts, facts_of_row, put_facts, set_kind
 from thetascope.store.notebook.listing import GROUPS, MEASURES, Counts, RunQuery, conditions, joined, ordered
+from thetascope.store.notebook.owners import mend_owners, owners_of
 from thetascope.store.notebook.removal import erase, mark_removed, show_hidden
 from thetascope.store.run_store import Record, listed_record
-from thetascope.store.tables import COMPARISON_NOTES, OWNERS, RUN_FACTS, RUN_NOTES, RUNS, as_json, as_text, was_removed
+from thetascope.store.tables import (
+    COMPARISON_NOTES,
+    RUN_FACTS,
+    RUN_NOTES,
+    RUNS,
+    as_json,
+    as_text,
+    comparison_sum,
+    has_comparison_note,
+    has_note,
+    note_sum,
+    was_removed,
+)
 
 log = logging.getLogger(__name__)
 
-_SHOWN = [RUNS, *(column for column in RUN_FACTS.c if column.name != "run"), RUN_NOTES.c.name, RUN_NOTES.c.tags]
+_NOTE = [RUN_NOTES.c.name, RUN_NOTES.c.tags, RUN_NOTES.c.owner, RUN_NOTES.c.checksum.label("note_sum")]
+_SHOWN = [RUNS, *(column for column in RUN_FACTS.c if column.name != "run"), *_NOTE]
 _MANY = 200
 
 
 @dataclass(frozen=True)
 class Line:
-    """A run in a list: its record without spec and summary, its facts, and the owner's name and tags for it."""
+    """A run in a list: its record without spec and summary, its facts, and the owner's name and tags for it.
+
+    `note_damaged`: name and tags are not what was written, and empty.
+    """
 
     record: Record
     facts: RunFacts | None
     name: str = ""
     tags: tuple[str, ...] = ()
     owners: frozenset[str] = frozenset()
+    note_damaged: bool = False
 
 
 class NotebookStore:
@@ -63,7 +82,7 @@ class NotebookStore:
                     found[as_text(row.group)] += row.n
                 page = [row.id for row in connection.execute(ids.limit(query.limit).offset(query.offset))]
             lines = {row.id: row for row in connection.execute(joined(owner, *_SHOWN).where(RUNS.c.id.in_(page)))}
-            owners = self._owners(connection, page)
+            owners = owners_of(connection, page)
             counts = self._counts(connection, owner, dict(found))
         return [_line(lines[id], owners.get(id, frozenset())) for id in page if id in lines], counts
 
@@ -71,7 +90,7 @@ class NotebookStore:
         """Return the line of a run in an owner's list, or None if it is not there."""
         with self._database.reading() as connection:
             row = connection.execute(joined(owner, *_SHOWN).where(RUNS.c.id == id)).one_or_none()
-            return None if row is None else _line(row, self._owners(connection, [id]).get(id, frozenset()))
+            return None if row is None else _line(row, owners_of(connection, [id]).get(id, frozenset()))
 
     def without_facts(self) -> list[str]:
         """Return ids of stored runs that have no facts, the newest first: an earlier version wrote them."""
@@ -97,14 +116,18 @@ class NotebookStore:
         self._put_note(id, owner, {key: value for key, value in texts.items() if value is not None})
 
     def comparison_notes(self, ids: Sequence[str], owner: str) -> str:
-        """Return what an owner notes about the comparison of runs, "" if nothing."""
+        """Return what an owner notes about the comparison of runs, "" if nothing. Raises Damaged."""
         here = (COMPARISON_NOTES.c.runs == _together(ids)) & (COMPARISON_NOTES.c.owner == owner)
         with self._database.reading() as connection:
-            return as_text(connection.execute(select(COMPARISON_NOTES.c.text).where(here)).scalar_one_or_none())
+            row = connection.execute(select(COMPARISON_NOTES).where(here)).one_or_none()
+        if row is not None and not has_comparison_note(row):
+            raise Damaged(Message("store.notes-damaged"))
+        return "" if row is None else row.text
 
     def note_comparison(self, ids: Sequence[str], owner: str, text: str) -> None:
         """Write what an owner notes about the comparison of runs; an empty text removes it."""
         row = {"runs": _together(ids), "owner": owner, "text": text.replace("\0", "\ufffd")}
+        row["checksum"] = comparison_sum(*row.values())
         here = (COMPARISON_NOTES.c.runs == row["runs"]) & (COMPARISON_NOTES.c.owner == owner)
         with self._database.writing() as connection:
             connection.execute(delete(COMPARISON_NOTES).where(here))
@@ -132,18 +155,27 @@ class NotebookStore:
             show_hidden(connection)
             return erase(connection, was_removed(RUNS.c.removed, before))
 
+    def mend(self) -> None:
+        """Restore damaged owners of runs as far as their checksums allow, and log all damaged ones."""
+        with self._database.writing() as connection:
+            mend_owners(connection)
+
     def _put_note(self, id: str, owner: str, changes: dict[str, Any]) -> None:
         with self._database.writing() as connection:
-            row = {"run": id, "owner": owner, "name": "", "tags": "[]", "removed": None} | changes
-            statement = {"sqlite": sqlite, "postgresql": postgresql}[connection.dialect.name].insert(RUN_NOTES)
-            connection.execute(statement.on_conflict_do_update(index_elements=["run", "owner"], set_=changes), row)
-
-    @staticmethod
-    def _owners(connection: Any, ids: list[str]) -> dict[str, frozenset[str]]:
-        owners: dict[str, set[str]] = {}
-        for row in connection.execute(select(OWNERS).where(OWNERS.c.run.in_(ids))):
-            owners.setdefault(row.run, set()).add(row.owner)
-        return {id: frozenset(names) for id, names in owners.items()}
+            here = (RUN_NOTES.c.run == id) & (RUN_NOTES.c.owner == owner)
+            old = connection.execute(select(RUN_NOTES).where(here)).one_or_none()
+            row = {"run": id, "owner": owner, "name": "", "tags": "[]", "removed": None}
+            if old is not None:
+                row |= {"removed": old.removed} | ({"name": old.name, "tags": old.tags} if has_note(old) else {})
+            row |= changes
+            if old is None or has_note(old) or changes.keys() & {"name", "tags"}:  # else the damage is still reported
+                row["checksum"] = note_sum(id, owner, row["name"], row["tags"])
+            else:
+                row = changes
+            if old is None:
+                connection.execute(insert(RUN_NOTES), row)
+            else:
+                connection.execute(update(RUN_NOTES).where(here).values(**row))
 
     @staticmethod
     def _counts(connection: Any, owner: str, found: dict[str, int]) -> Counts:
@@ -158,8 +190,8 @@ class NotebookStore:
             ).group_by(kind)
         ).all()
         tags: Counter[str] = Counter()
-        for row in connection.execute(joined(owner, RUN_NOTES.c.tags).where(RUN_NOTES.c.tags.is_not(None))):
-            tags.update(tags_of(row.tags))
+        for row in connection.execute(joined(owner, RUNS.c.id, *_NOTE).where(RUN_NOTES.c.tags.is_not(None))):
+            tags.update(_note(row)[1])
         kinds: Counter[str] = Counter()
         for row in rows:
             kinds[row.kind if row.kind in KINDS else KINDS[0]] += row.n
@@ -176,7 +208,18 @@ def _meets(numbers: str | None, conditions: list[Any]) -> bool:
 
 
 def _line(row: Row, owners: frozenset[str]) -> Line:
-    return Line(listed_record(row), facts_of_row(row), as_text(row.name), tags_of(row.tags), owners)
+    name, tags, whole = _note(row)
+    return Line(listed_record(row), facts_of_row(row), name, tags, owners, note_damaged=not whole)
+
+
+def _note(row: Row) -> tuple[str, tuple[str, ...], bool]:
+    """Return the name and the tags in a row that joins runs and notes, and whether they are what was written."""
+    if row.owner is None:
+        return "", (), True
+    if row.note_sum != note_sum(row.id, row.owner, row.name, row.tags):
+        log.error("the name and the tags of run %s are damaged", row.id)
+        return "", (), False
+    return as_text(row.name), tags_of(row.tags), True
 
 
 def _together(ids: Sequence[str]) -> str:

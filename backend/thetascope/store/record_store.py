@@ -1,25 +1,33 @@
 """Files of records in the store: the bytes once, and for each owner a name, a plant and a mapping."""
 
 import hashlib
-import json
 import logging
 import time
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from sqlalchemy import Float, cast, delete, desc, func, select
+from sqlalchemy import Float, cast, delete, func, select
 from sqlalchemy.dialects import postgresql, sqlite
 
 from thetascope.messages import Message
 from thetascope.store.database import Database
 from thetascope.store.errors import Damaged
-from thetascope.store.tables import RECORD_SHARES, RECORDS, as_number, as_text
+from thetascope.store.tables import (
+    RECORD_SHARES,
+    RECORDS,
+    UNKNOWN,
+    as_number,
+    has_share,
+    has_share_owner,
+    owner_sum,
+    share_sum,
+)
 
 log = logging.getLogger(__name__)
 
 _ID = 32  # hexadecimal digits
-_SHARE = ("name", "plant", "mapping", "changed")
+_SHARE = ("name", "plant", "mapping", "changed", "owner_sum", "checksum")
 
 
 def record_id(data: bytes) -> str:
@@ -60,19 +68,18 @@ class Line:
 
 
 def _share(row: Any) -> Share:
-    """Return the share in a row; a plant or mapping that cannot be read was not chosen."""
-    texts = (row.plant, row.mapping)
-    plant, mapping = (text if _is_json(text) else None for text in texts)
-    if texts != (plant, mapping):
-        log.error("the plant or the mapping of record %s cannot be read", row.record)
-    return Share(row.record, row.owner, as_text(row.name), plant, mapping, as_number(row.changed))
+    """Return the share in a row.
 
-
-def _is_json(text: object) -> bool:
-    try:
-        return isinstance(text, str) and json.loads(text) is not None
-    except (ValueError, RecursionError):
-        return False
+    A damaged owner is one that no client matches. Of a share that is damaged elsewhere only the owner is believed: it
+    has no name, and no plant or mapping was chosen.
+    """
+    if not has_share_owner(row):
+        log.error("an owner of record %s is damaged", row.record)
+        return Share(row.record, UNKNOWN, "", None, None, 0.0)
+    if not has_share(row):
+        log.error("the name, the plant or the mapping of record %s is damaged", row.record)
+        return Share(row.record, row.owner, "", None, None, 0.0)
+    return Share(row.record, row.owner, row.name, row.plant, row.mapping, row.changed)
 
 
 class RecordStore:
@@ -96,7 +103,8 @@ class RecordStore:
 
     def put_share(self, share: Share) -> None:
         """Store an owner's share of a record, or replace it."""
-        values = {**vars(share), "name": share.name.replace("\0", "\ufffd")}
+        share = replace(share, name=share.name.replace("\0", "\ufffd"), changed=float(share.changed))
+        values = {**vars(share), "owner_sum": owner_sum(share.record, share.owner), "checksum": share_sum(share)}
         with self._database.writing() as connection:
             insert = {"sqlite": sqlite.insert, "postgresql": postgresql.insert}[connection.dialect.name]
             statement = insert(RECORD_SHARES)
@@ -116,33 +124,31 @@ class RecordStore:
 
     def shares(self, id: str) -> list[Share]:
         """Return the shares of a record, the last one that changed first."""
-        query = select(RECORD_SHARES).where(RECORD_SHARES.c.record == id).order_by(desc(RECORD_SHARES.c.changed))
+        query = select(RECORD_SHARES).where(RECORD_SHARES.c.record == id)
         with self._database.reading() as connection:
-            return [_share(row) for row in connection.execute(query)]
+            return sorted(map(_share, connection.execute(query)), key=lambda share: -share.changed)
 
     def page(self, owners: tuple[str, ...] | None, limit: int) -> list[Line]:
         """Return the records of some owners, or of all, the last one that changed first."""
-        changed = func.max(RECORD_SHARES.c.changed)
-        query = (
-            select(RECORDS.c.id, func.max(RECORD_SHARES.c.name), RECORDS.c.size, changed)
-            .join(RECORD_SHARES, RECORD_SHARES.c.record == RECORDS.c.id)
-            .group_by(RECORDS.c.id, RECORDS.c.size)
-            .order_by(desc(changed))
-            .limit(limit)
-        )
+        query = select(RECORD_SHARES, RECORDS.c.size).join(RECORDS, RECORD_SHARES.c.record == RECORDS.c.id)
         if owners is not None:
             query = query.where(RECORD_SHARES.c.owner.in_(owners))
+        lines: dict[str, Line] = {}
         with self._database.reading() as connection:
-            rows = connection.execute(query).all()
-        return [Line(id, as_text(name), int(as_number(size)), as_number(at)) for id, name, size, at in rows]
+            for row in connection.execute(query):
+                share, size = _share(row), int(as_number(row.size))
+                line = Line(share.record, share.name, size, share.changed)
+                known = lines.get(line.id, line)
+                if owners is None or share.owner in owners:
+                    lines[line.id] = max(known, line, key=lambda one: one.changed)
+        return sorted(lines.values(), key=lambda line: (-line.changed, line.id))[:limit]
 
     def delete_share(self, id: str, owner: str | None) -> bool:
         """Remove an owner's share, or all of them, and the file with the last one; return whether the file is gone."""
         with self._database.writing() as connection:
             mine = RECORD_SHARES.c.record == id
-            connection.execute(
-                delete(RECORD_SHARES).where(mine if owner is None else mine & (RECORD_SHARES.c.owner == owner))
-            )
+            own = mine if owner is None else mine & (RECORD_SHARES.c.owner == owner)
+            connection.execute(delete(RECORD_SHARES).where(own))
             if connection.execute(select(func.count()).select_from(RECORD_SHARES).where(mine)).scalar_one():
                 return False
             connection.execute(delete(RECORDS).where(RECORDS.c.id == id))

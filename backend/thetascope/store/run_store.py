@@ -18,12 +18,14 @@ from thetascope.store.database import Database
 from thetascope.store.encoding import decode, encode
 from thetascope.store.errors import Damaged, StoreError
 from thetascope.store.notebook.facts import RunFacts, put_facts
+from thetascope.store.notebook.owners import add_owners, owners_of
 from thetascope.store.notebook.removal import erase, mark_removed
 from thetascope.store.tables import (
     OWNERS,
     RESULTS,
     RUN_NOTES,
     RUNS,
+    UNKNOWN,
     as_number,
     has_result,
     has_spec,
@@ -79,11 +81,6 @@ def _upserts(table: Table, changed: Sequence[str]) -> dict[str, Any]:
 
 
 _PUT = _upserts(RUNS, _CHANGED)  # not the pin
-_GET_OWNERS = select(OWNERS.c.owner).where(OWNERS.c.run == bindparam("id"))
-_OWN = {
-    "sqlite": sqlite.insert(OWNERS).on_conflict_do_nothing(),
-    "postgresql": postgresql.insert(OWNERS).on_conflict_do_nothing(),
-}
 _LIST_AGAIN = (
     update(RUN_NOTES)
     .where((RUN_NOTES.c.run == bindparam("id")) & (RUN_NOTES.c.owner == bindparam("by")))
@@ -191,16 +188,20 @@ class RunStore:
             return connection.execute(change).rowcount > 0
 
     def owners(self, id: str) -> frozenset[str]:
-        """Return the owners of a run; none for one that was stored before there were owners."""
+        """Return the owners of a run; none for one that was stored before there were owners.
+
+        An owner whose row is damaged is one that no client matches.
+        """
         with self._database.reading() as connection:
-            return frozenset(connection.execute(_GET_OWNERS, {"id": id}).scalars())
+            return owners_of(connection, [id]).get(id, frozenset())
 
     def own(self, id: str, owners: Iterable[str]) -> None:
         """Add owners to a run, if it exists; those that it has stay."""
         with self._database.writing() as connection:
             if connection.execute(select(1).where(RUNS.c.id == id)).one_or_none() is not None:
-                for owner in sorted(owners):
-                    connection.execute(_OWN[connection.dialect.name], {"run": id, "owner": owner})
+                known = sorted(set(owners) - {UNKNOWN})
+                add_owners(connection, id, known)
+                for owner in known:
                     connection.execute(_LIST_AGAIN, {"id": id, "by": owner})
 
     def disown(self, id: str, owner: str) -> None:

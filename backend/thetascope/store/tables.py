@@ -13,6 +13,9 @@ METADATA = MetaData()
 _EARLIEST, _LATEST = 1e9, 253402300800.0
 """Times in s since 1970: before the first removal, and the year 10000."""
 
+UNKNOWN = "? unknown"
+"""The owner in a damaged row. It is never written, and no client has this name."""
+
 #: Specs are kept. `spec_sum` and `outcome_sum` are checksums of what is posted and of what is computed. `pinned`
 #: changes without the rest and is in neither, as is `removed`: the time at which it was removed, null before.
 RUNS = Table(
@@ -52,6 +55,7 @@ OWNERS = Table(
     METADATA,
     Column("run", Characters, primary_key=True),
     Column("owner", Characters, primary_key=True),
+    Column("checksum", Characters),
 )
 
 #: Facts by which runs are listed, sought and sorted. They follow from spec and outcome, and are computed once. `words`,
@@ -72,7 +76,8 @@ RUN_FACTS = Table(
     Column("checksum", Characters),
 )
 
-#: What an owner calls a run, its tags as a JSON list, and the time at which the owner removed it, null before.
+#: What an owner calls a run, its tags as a JSON list, and the time at which the owner removed it, null before, which is
+#: in no checksum.
 RUN_NOTES = Table(
     "run_notes",
     METADATA,
@@ -81,6 +86,7 @@ RUN_NOTES = Table(
     Column("name", Characters, nullable=False),
     Column("tags", Characters, nullable=False),
     Column("removed", Real),
+    Column("checksum", Characters),
 )
 
 #: What an owner notes about a comparison of runs; `runs` has their ids in alphabetical order, with commas.
@@ -90,6 +96,7 @@ COMPARISON_NOTES = Table(
     Column("runs", Characters, primary_key=True),
     Column("owner", Characters, primary_key=True),
     Column("text", Characters, nullable=False),
+    Column("checksum", Characters),
 )
 
 #: Files of records: the id is the hash of the unpacked bytes, and so their checksum. They cannot be computed again.
@@ -102,7 +109,7 @@ RECORDS = Table(
     Column("data", Blob, nullable=False),
 )
 
-#: What each owner calls a record, and its plant and mapping as JSON.
+#: What each owner calls a record, and its plant and mapping as JSON. `owner_sum` is the checksum of record and owner.
 RECORD_SHARES = Table(
     "record_shares",
     METADATA,
@@ -112,6 +119,8 @@ RECORD_SHARES = Table(
     Column("plant", Characters),
     Column("mapping", Characters),
     Column("changed", Real, nullable=False),
+    Column("owner_sum", Characters),
+    Column("checksum", Characters),
 )
 
 
@@ -222,6 +231,51 @@ def facts_sum(run: str, row: Any) -> str:
 def has_facts(row: Any) -> bool:
     """Return whether a row of `run_facts` is what was written."""
     return row.checksum == facts_sum(row.run, row)
+
+
+def owner_sum(item: object, owner: object) -> str:
+    """Return the checksum of the owner of a run or a record."""
+    return checksum(item, owner)
+
+
+def has_owner(row: Any) -> bool:
+    """Return whether a row of `owners` is what was written."""
+    return row.checksum == owner_sum(row.run, row.owner)
+
+
+def note_sum(run: object, owner: object, name: object, tags: object) -> str:
+    """Return the checksum of the name and the tags of a run."""
+    return checksum(run, owner, name, tags)
+
+
+def has_note(row: Any) -> bool:
+    """Return whether a row of `run_notes` is what was written."""
+    return row.checksum == note_sum(row.run, row.owner, row.name, row.tags)
+
+
+def comparison_sum(runs: object, owner: object, text: object) -> str:
+    """Return the checksum of notes about a comparison."""
+    return checksum(runs, owner, text)
+
+
+def has_comparison_note(row: Any) -> bool:
+    """Return whether a row of `comparison_notes` is what was written."""
+    return row.checksum == comparison_sum(row.runs, row.owner, row.text)
+
+
+def share_sum(row: Any) -> str:
+    """Return the checksum of an owner's share of a record."""
+    return checksum(row.record, row.owner, row.name, row.plant, row.mapping, row.changed)
+
+
+def has_share(row: Any) -> bool:
+    """Return whether a row of `record_shares` is what was written."""
+    return row.checksum == share_sum(row) and has_share_owner(row)
+
+
+def has_share_owner(row: Any) -> bool:
+    """Return whether record and owner in a row of `record_shares` are those that were written."""
+    return row.owner_sum == owner_sum(row.record, row.owner)
 
 
 def as_text(value: object) -> str:

@@ -1,15 +1,36 @@
 """Check a store while it is used: the structure of its file, and the checksums of all rows."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
-from sqlalchemy import select
+from sqlalchemy import Table, select
 
 from thetascope.messages import Message
 from thetascope.store.damaged_rows import rows_one_by_one
 from thetascope.store.database import Database
 from thetascope.store.errors import StoreError
 from thetascope.store.record_store import has_record
-from thetascope.store.tables import LESSONS, PLANTS, RECORDS, RESULTS, has_result, has_spec, has_text, is_whole
+from thetascope.store.tables import (
+    COMPARISON_NOTES,
+    LESSONS,
+    OWNERS,
+    PLANTS,
+    RECORD_SHARES,
+    RECORDS,
+    RESULTS,
+    RUN_FACTS,
+    RUN_NOTES,
+    has_comparison_note,
+    has_facts,
+    has_note,
+    has_owner,
+    has_result,
+    has_share,
+    has_spec,
+    has_text,
+    is_whole,
+)
 
 
 @dataclass(frozen=True)
@@ -43,20 +64,31 @@ def verify(database: Database) -> Verification:
             defects.append(Message("store.defect.result", id=_shown(id)))
     wrong = [id for id in _records(database, defects) if not _is_record(database, id)]
     defects += [Message("store.defect.record", id=_shown(id)) for id in wrong]
-    defects += _damaged_plants(database)
+    defects += _damaged_rows(database)
     return Verification(runs, results, tuple(defects))
 
 
-def _damaged_plants(database: Database) -> list[Message]:
-    """Return a defect for each version of a saved plant or lesson that is not what was written."""
+_DEFECTS: dict[Table, tuple[Callable[[Any], bool], Callable[[Any], Message]]] = {
+    PLANTS: (has_text, lambda row: Message("store.defect.plant", id=_shown(row.id), version=row.version or 0)),
+    LESSONS: (has_text, lambda row: Message("store.defect.lesson", id=_shown(row.id), version=row.version or 0)),
+    OWNERS: (has_owner, lambda row: Message("store.defect.owner", id=_shown(row.run))),
+    RUN_FACTS: (has_facts, lambda row: Message("store.defect.facts", id=_shown(row.run))),
+    RUN_NOTES: (has_note, lambda row: Message("store.defect.note", id=_shown(row.run))),
+    COMPARISON_NOTES: (has_comparison_note, lambda row: Message("store.defect.comparison-note", ids=_shown(row.runs))),
+    RECORD_SHARES: (has_share, lambda row: Message("store.defect.share", id=_shown(row.record))),
+}
+"""For tables of small rows: whether a row is what was written, and the defect that it is not."""
+
+
+def _damaged_rows(database: Database) -> list[Message]:
+    """Return a defect for each row of the small tables that is not what was written."""
     defects = []
-    for table, code in ((PLANTS, "store.defect.plant"), (LESSONS, "store.defect.lesson")):
+    for table, (whole, defect) in _DEFECTS.items():
         try:
             with database.reading() as connection:
-                wrong = [row for row in connection.execute(select(table)) if not has_text(row)]
+                defects += [defect(row) for row in connection.execute(select(table)) if not whole(row)]
         except StoreError as error:
-            return [error.problem]
-        defects += [Message(code, id=_shown(row.id), version=row.version or 0) for row in wrong]
+            defects.append(error.problem)
     return defects
 
 

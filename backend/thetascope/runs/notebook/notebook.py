@@ -33,8 +33,9 @@ class Notebook:
         self._completed: set[str] = set()
 
     def begin(self) -> None:
-        """Erase the runs that were removed before this start."""
+        """Restore damaged owners of runs, and erase the runs that were removed before this start."""
         if not self._store.read_only:
+            self._store.mend()
             self._store.erase(time.time())
 
     def page(self, by: Principal, query: RunQuery) -> tuple[list[Line], Counts]:
@@ -70,9 +71,13 @@ class Notebook:
             self._runs.written_in_order(lambda: self._store.note(id, by.owner, name, tags))
         return self.line(id, by)
 
-    def comparison_notes(self, ids: Sequence[str], by: Principal) -> str:
-        """Return what a client notes about the comparison of runs."""
-        return self._store.comparison_notes(ids, by.owner)
+    def comparison_notes(self, ids: Sequence[str], by: Principal) -> tuple[str, Message | None]:
+        """Return what a client notes about the comparison of runs; "" and the problem if that is damaged."""
+        try:
+            return self._store.comparison_notes(ids, by.owner), None
+        except Damaged as error:
+            log.error("%s", error)
+            return "", error.problem
 
     def keep_comparison_notes(self, ids: Sequence[str], by: Principal, text: str) -> None:
         """Keep a client's notes about the comparison of runs, which are in its list. Raises Unknown."""

@@ -171,7 +171,7 @@ async function load() {
       ),
     );
     fill(settings, differences(found));
-    createNotes(notesCard, choice.ids, found.notes);
+    createNotes(notesCard, choice.ids, found.notes, found.warning);
     fill(main, curves, h('div', {class: 'compare-cards'}, settings, measuresCard, notesCard));
   }
   showTools(found);

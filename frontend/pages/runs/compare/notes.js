@@ -10,8 +10,9 @@ const PAUSE = 600; // ms after the last key
  * @param {HTMLElement} root
  * @param {string[]} ids
  * @param {string} text
+ * @param {string} warning why the text is not shown, empty: it is
  */
-export function createNotes(root, ids, text) {
+export function createNotes(root, ids, text, warning) {
   let kept = text;
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   let timer;
@@ -29,6 +30,7 @@ export function createNotes(root, ids, text) {
     onblur: () => keep(),
   });
   field.value = text;
+  const damage = h('p', {class: 'alarm small', role: 'note', hidden: !warning}, warning);
 
   async function keep() {
     clearTimeout(timer);
@@ -39,10 +41,11 @@ export function createNotes(root, ids, text) {
         body: {text: wanted},
       });
       kept = wanted;
+      damage.hidden = true;
       if (field.value === kept) state.textContent = t('page.compare.notes.kept');
     } catch (error) {
       state.textContent = reason(error).message;
     }
   }
-  fill(root, h('div', {class: 'heading'}, h('h2', {}, t('page.compare.notes')), state), field);
+  fill(root, h('div', {class: 'heading'}, h('h2', {}, t('page.compare.notes')), state), damage, field);
 }

@@ -172,6 +172,7 @@ function row(line, state, act) {
       {class: 'c-name'},
       h('a', {href: addressOfRun(line), 'data-key': `open-${line.id}`}, name),
       line.tags.map((tag) => h('span', {class: 'tag'}, tag)),
+      line.warning && h('small', {class: 'alarm', role: 'note'}, line.warning),
       state.filter.group !== 'experiment' && h('small', {}, named(line.title)),
     ),
     h('td', {class: 'c-changes'}, changesOf(line)),

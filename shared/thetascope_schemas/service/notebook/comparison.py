@@ -32,6 +32,7 @@ class RunComparison(Strict):
     same: int = Field(description="Number of settings that are equal in all runs.")
     measures: tuple[MeasureRow, ...]
     notes: str = Field(description="What this client noted about the comparison of these runs.")
+    warning: str = Field(default="", description="That the notes are damaged in the store and left out.")
     links: dict[str, str]
 
 

@@ -74,6 +74,7 @@ class RunLine(Strict):
     pinned: bool
     name: str = Field(default="", description="Name that this client gave it.")
     tags: tuple[str, ...] = Field(default=(), description="Tags that this client gave it.")
+    warning: str = Field(default="", description="That name and tags are damaged in the store and left out.")
     mine: bool = Field(default=True, description="Whether this client may name, tag, pin and remove it.")
     kind: RunKind = Field(
         default="run", description="session: a live session that was saved; record: observers on a record."

@@ -40,6 +40,7 @@ async def compare(request: Request, services: Use, language: Language, ids: Ids,
     runs = await _finished(request, services, ids)
     compared = compare_runs([run.snapshot for run in runs], observer)
     lines = [await run_in_threadpool(services.notebook.line, run.snapshot.id, by) for run in runs]
+    notes, damage = await run_in_threadpool(services.notebook.comparison_notes, parse_ids(ids), by)
     found = differences(compared)
     asked = urlencode({"ids": ids} | ({} if observer is None else {"observer": observer}))
     return json_response(
@@ -47,7 +48,8 @@ async def compare(request: Request, services: Use, language: Language, ids: Ids,
             "runs": [run_line(services, line, by, language) for line in lines],
             "observers": compared.labels,
             "choices": choices(compared),
-            "notes": await run_in_threadpool(services.notebook.comparison_notes, parse_ids(ids), by),
+            "notes": notes,
+            "warning": "" if damage is None else damage.text(language),
             "differences": [row | {"label": labelled(row["label"], language)} for row in found["differences"]],
             "same": found["same"],
             "measures": [row | {"label": labelled(row["label"], language)} for row in measures(compared)],

@@ -101,6 +101,8 @@ def restore_run(request: Request, id: str, services: Use, language: Language) ->
 def run_line(services: Services, line: Line, by: Principal, language: str) -> dict[str, Any]:
     """Return the entry of a stored run in a list."""
     own = {"name": line.name, "tags": line.tags, "mine": services.notebook.is_mine(line, by)}
+    if line.note_damaged:
+        own["warning"] = Message("run.note-damaged").text(language)
     return listed(line.record, language) | own | _of_facts(line.facts, language)
 
 
