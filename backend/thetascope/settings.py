@@ -76,6 +76,8 @@ class Settings:
     client_sessions: int | None = None
     client_sockets: int | None = None
     client_cpu: float | None = None
+    #: Address of the scheduler of a Dask cluster that computes studies (tcp://host:8786); "": this machine does.
+    scheduler: str = ""
     #: How long POST /api/runs waits for the result before it answers 202, and the most a client may ask for.
     wait: float = 2.0
     max_wait: float = 60.0

@@ -1,5 +1,5 @@
-"""The command line: `thetascope serve | key | run | figure | trial | bench | diagnose | fit | hysteresis | inspect |
-list | check`, and `backup | restore | verify` for the store of runs.
+"""The command line: `thetascope serve | key | run | figure | trial | study | bench | diagnose | fit | hysteresis |
+inspect | list | check`, and `backup | restore | verify` for the store of runs.
 
 Exit codes: 0 done, 1 refused or failed (with the reason), 2 wrong usage, 130 interrupted. Commands import their modules
 when they run, so that `--help` and usage errors are answered quickly.
@@ -15,6 +15,8 @@ from thetascope import __version__
 from thetascope.cli.argparse_words import translate_argparse
 from thetascope.cli.bench_options import TABLES, add_bench_options
 from thetascope.cli.records.mapping_options import add_mapping_options
+from thetascope.cli.studies.study_options import TABLES as STUDY_TABLES
+from thetascope.cli.studies.study_options import add_study_options
 from thetascope.cli.words import Words, chosen_language
 from thetascope.messages import Message
 from thetascope.process_settings import collect_as_usual, collect_rarely, use_one_thread
@@ -79,6 +81,9 @@ def parser(say: Words) -> argparse.ArgumentParser:
 
     _drawing(commands, say)
     _judging(commands, say)
+    study = commands.add_parser("study", help=say("cli.study"), description=say("cli.study.description"))
+    add_study_options(study, say, _checked(_count, say), _checked(lambda text: _output(text, STUDY_TABLES), say))
+    study.set_defaults(command=_study)
     _storing(commands, say)
 
     commands.add_parser("list", help=say("cli.list")).set_defaults(command=_list)
@@ -256,6 +261,12 @@ def _hysteresis(options: argparse.Namespace, say: Words) -> int:
     from thetascope.cli.records.hysteresis_command import hysteresis_command
 
     return hysteresis_command(options, say)
+
+
+def _study(options: argparse.Namespace, say: Words) -> int:
+    from thetascope.cli.studies.study_command import study_command
+
+    return study_command(options, say)
 
 
 def _bench(options: argparse.Namespace, say: Words) -> int:

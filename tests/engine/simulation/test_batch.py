@@ -130,7 +130,7 @@ def test_runs_that_do_not_fit_into_lanes(change: dict):
     agree([with_seed(engine(**SHORT | {"horizon": 1.0} | change), i) for i in range(3)])
 
 
-def test_additive_measurement_faults_run_in_lanes():
+def test_additive_measurement_faults_runin_lanes():
     """Outliers and noise bursts are additional noise."""
     faults = [
         {"output": "y", "shape": "outliers", "onset": 0.5, "probability": 0.3, "size": 0.2, "sample_time": 0.02},
@@ -156,7 +156,7 @@ def test_discrete_time():
     experiments = [
         prepare(library.resolve(Spec.model_validate(spec | {"initial": {state: 0.1 * i}}))).engine for i in range(5)
     ]
-    assert all(batch._in_lanes(e) for e in experiments) and experiments[0].plant.time == "discrete"
+    assert all(batch.in_lanes(e) for e in experiments) and experiments[0].plant.time == "discrete"
     agree(experiments)
 
 

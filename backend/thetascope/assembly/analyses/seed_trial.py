@@ -55,10 +55,15 @@ class Coverage:
     def count(self, interval: tuple[float, float] | None, truth: float | None) -> None:
         """Add an interval if it is known and its truth is a number."""
         if interval is not None and truth is not None:
-            low, high = interval
-            slack = 1e-9 * max(abs(low), abs(high))  # rounding of a bound that is exactly the truth
             self.reported += 1
-            self.held += low - slack <= truth <= high + slack
+            self.held += within(interval, truth)
+
+
+def within(interval: tuple[float, float], truth: float) -> bool:
+    """Return whether an interval holds the truth."""
+    low, high = interval
+    slack = 1e-9 * max(abs(low), abs(high))  # rounding of a bound that is exactly the truth
+    return low - slack <= truth <= high + slack
 
 
 @dataclass

@@ -158,11 +158,27 @@ def compare(result: Recorded, faults: Iterable[FaultOverTime], findings: Mapping
         rmse, peak = errors(result, label, spans)
         finding = findings.get(label)
         grace = grace_of(finding, float(result.column("t")[-1]))
-        judgement = None
-        if finding is not None and tested(finding):
-            judgement = judge(finding.alarms, faults, present, _estimated(result, label), grace)
+        judgement = judged(result, faults, label, finding, present)
         rows.append(Row(label, rmse, peak, steps(result, label, faults), judgement, grace, costs.get(label)))
     return Comparison(spans, tuple(rows))
+
+
+def judged(
+    result: Columns,
+    faults: Sequence[FaultOverTime],
+    label: str,
+    finding: FindingsLike | None,
+    present: tuple[Presence, ...] | None = None,
+) -> Judgement | None:
+    """Return the verdicts on an observer, or on the detector; None if no tests ran on it.
+
+    ``present``: `presences_in(result, faults)`, where that is known.
+    """
+    if finding is None or not tested(finding):
+        return None
+    present = presences_in(result, faults) if present is None else present
+    grace = grace_of(finding, float(result.column("t")[-1]))
+    return judge(finding.alarms, faults, present, _estimated(result, label), grace)
 
 
 def _estimated(result: Columns, label: str) -> set[str]:

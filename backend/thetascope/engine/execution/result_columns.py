@@ -153,14 +153,7 @@ def observer_columns(
     ``first_row``: index of the first given row, counted from t = 0; ``wanted``: number of rows that only fill windows.
     """
     estimator, where = final_estimator(life), life.where
-    states = np.concatenate(life.states)
-    inside = max(0, ended - where.start)
-    diverged, finite = None, finite_observer_rows(estimator, states)
-    if finite < min(inside, len(states)):
-        diverged = Diverged(float(values["t"][where.start + finite]), _cause(estimator.program.states, states, finite))
-        states[finite:] = np.nan
-    elif inside < len(states):
-        states[inside:] = np.nan
+    states, diverged = lived(life, values, ended)
     columns, seen = estimates(life, values, y, states)
     e, program = life.experiments[-1], estimator.program
     run = Observed(
@@ -182,6 +175,23 @@ def observer_columns(
     checks = _checks(estimator, run) if check else ()
     report = ObserverReport(estimator.label, estimator.kind.id, estimator.kind.title, checks, diverged, estimator.facts)
     return columns | more, report
+
+
+def lived(life: Life, values: dict, ended: int) -> tuple[np.ndarray, Diverged | None]:
+    """Return the states of an observer (rows, states), NaN once it or the plant has diverged, and its divergence.
+
+    ``ended``: number of leading rows in which the plant has finite values.
+    """
+    estimator, where = final_estimator(life), life.where
+    states = np.concatenate(life.states)
+    inside = max(0, ended - where.start)
+    diverged, finite = None, finite_observer_rows(estimator, states)
+    if finite < min(inside, len(states)):
+        diverged = Diverged(float(values["t"][where.start + finite]), _cause(estimator.program.states, states, finite))
+        states[finite:] = np.nan
+    elif inside < len(states):
+        states[inside:] = np.nan
+    return states, diverged
 
 
 def truth_of(estimator: Estimator, values: Mapping[str, np.ndarray | float], where: slice) -> Truth | None:

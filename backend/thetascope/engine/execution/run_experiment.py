@@ -36,11 +36,13 @@ def run(
     progress: Callable[[float], None] | None = None,
     cancelled: Callable[[], bool] | None = None,
     inspect: Callable[[Parts, Result], Result] | None = None,
+    measure_cost: bool = True,
 ) -> Result:
     """Simulate. Raises Cancelled.
 
     ``inspect`` receives the rows at which the run is examined and may add to the result, whose columns are then reduced
-    to the rows of the experiment's ``record``. So no check depends on the spacing of these.
+    to the rows of the experiment's ``record``. So no check depends on the spacing of these. ``measure_cost``: whether
+    the observer that shares the plant's kernel runs once more alone, to measure its cost.
     """
     stages = [Stage(0, stages)] if isinstance(stages, Experiment) else list(stages)
     seconds: dict[str, float] = {}
@@ -52,7 +54,8 @@ def run(
     seconds["simulate"] = time.perf_counter() - clock
     clock = time.perf_counter()
     result = gather(parts, seconds)
-    result = replace(result, costs=result.costs | alone(stages[0].experiment, parts))
+    if measure_cost:
+        result = replace(result, costs=result.costs | alone(stages[0].experiment, parts))
     seconds["gather"] = time.perf_counter() - clock
     if inspect is not None:
         clock = time.perf_counter()

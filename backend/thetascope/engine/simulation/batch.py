@@ -46,10 +46,10 @@ def run_batch(experiments: Sequence[Experiment], cancelled: Callable[[], bool] |
     first = experiments[0]
     groups: dict[tuple, list[int]] = {}
     for i, e in enumerate(experiments):
-        if _shape(e) != _shape(first):
+        if shape(e) != shape(first):
             raise ValueError("the experiments of a batch must have the same programs, step, horizon and record")
         groups.setdefault(_divisions(e, first), []).append(i)
-    lanes = all(_in_lanes(e) for e in experiments)
+    lanes = all(in_lanes(e) for e in experiments)
     parts = [_group([experiments[i] for i in group], lanes, cancelled) for group in groups.values()]
     if len(parts) == 1:
         return parts[0]
@@ -72,7 +72,8 @@ def _group(experiments: list[Experiment], lanes: bool, cancelled: Callable[[], b
     return Batch(np.arange(0, first.steps + 1, first.every), states[0][:, :, :n], tuple(s[:, :, n:] for s in states))
 
 
-def _shape(e: Experiment) -> tuple:
+def shape(e: Experiment) -> tuple:
+    """Return what the experiments of a batch must have in common."""
     programs = (e.plant.digest, *(s.program.digest for s in e.estimators))
     return (programs, e.step, e.steps, e.every, e.substeps, tuple(e.signals), tuple(s.every for s in e.estimators))
 
@@ -87,7 +88,8 @@ def _divisions(e: Experiment, first: Experiment) -> tuple:
     return (e.measurement.sample_time, *sort_out(breaks, e.step)[1])
 
 
-def _in_lanes(e: Experiment) -> bool:
+def in_lanes(e: Experiment) -> bool:
+    """Return whether an experiment can run in lanes."""
     simulation = Simulation(e)
     return simulation.joined and not simulation.sampled and not e.plant.after
 

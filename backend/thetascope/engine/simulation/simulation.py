@@ -93,7 +93,7 @@ class Simulation:
         """Return the applied u and the noisy outputs of a closed loop at the instant of a state."""
         e = self.experiment
         assert e.loop is not None and state.loop is not None, "only a closed loop computes its inputs"
-        grid = cut(state.k, state.k + 1, e.step, self._breaks(state.k, state.k + 1), self.spacing, self.substeps)
+        grid = cut(state.k, state.k + 1, e.step, self.breaks(state.k, state.k + 1), self.spacing, self.substeps)
         span = self._loop_run(e.loop).peek(grid, np.concatenate([state.plant, state.loop]), state.memory)
         return dict(zip((*e.plant.outputs, *e.applied), (*span.y[0, 0], *span.u[0, 0]), strict=True))
 
@@ -111,7 +111,7 @@ class Simulation:
         elif points is not None and (points % every).any():
             stops = np.union1d(points, np.arange(-(-first // every) * every, last + 1, every))
             index = stops[stops < last]
-        grid = cut(first, last, e.step, self._breaks(first, last), every, self.substeps, stops)
+        grid = cut(first, last, e.step, self.breaks(first, last), every, self.substeps, stops)
         tables = Tables(grid, e.signals, self.places)
         observers, self.spent = list(state.observers), {}
         recorded: dict[int, np.ndarray] = {}  # by the observer's index
@@ -131,7 +131,7 @@ class Simulation:
         for i in self.sampled:
             assert y is not None, "the joined kernel emits y for further observers"
             observers[i], recorded[i] = self._sampling(i, state, grid, index, y, closed)
-        y_rows = self._measured_rows(grid, first, index, plant_rows, y)
+        y_rows = self.measured_rows(grid, first, index, plant_rows, y)
         loop, past = (None, None) if closed is None else (closed.loop, closed.past[len(closed.past) - self.kept :])
         after = State(last, plant, tuple(observers), memory, loop, past)
         earlier = np.maximum(grid.base[index - first] - 1, 0)
@@ -178,7 +178,8 @@ class Simulation:
         rows = self._rows(begin, span.rows, state.k, index)
         return ClosedSpan.of(span, len(state.plant), rows, grid, (index, self.experiment.every), state.past)
 
-    def _breaks(self, first: int, last: int) -> np.ndarray:
+    def breaks(self, first: int, last: int) -> np.ndarray:
+        """Return the times at which steps in [first, last) are divided."""
         a, b = (first - 0.5) * self.experiment.step, (last + 0.5) * self.experiment.step
         parts = [s.breaks(a, b) for s in self.experiment.signals.values() if s.level is None]
         parts.append(self.experiment.measurement.breaks(a, b, self.experiment.signals.values()))
@@ -332,12 +333,13 @@ class Simulation:
         self.spent[estimator.label] = thread_time() - clock
         return np.vstack([start[None, :], out])
 
-    def _measured_rows(self, grid: Grid, first: int, index: np.ndarray, plant_rows: np.ndarray, y: np.ndarray | None):
+    def measured_rows(self, grid: Grid, first: int, index: np.ndarray, plant_rows: np.ndarray, y: np.ndarray | None):
+        """Return the measured outputs at rows, from ``y`` at all steps if that is known."""
         e = self.experiment
         recorded = index % self.spacing == 0
         if not recorded.all():
             measured = np.full((len(index), len(e.plant.outputs)), np.nan)
-            measured[recorded] = self._measured_rows(grid, first, index[recorded], plant_rows[recorded], y)
+            measured[recorded] = self.measured_rows(grid, first, index[recorded], plant_rows[recorded], y)
             return measured
         at = grid.base[index - first]
         if y is not None:
