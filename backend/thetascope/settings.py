@@ -78,6 +78,10 @@ class Settings:
     client_cpu: float | None = None
     #: Address of the scheduler of a Dask cluster that computes studies (tcp://host:8786); "": this machine does.
     scheduler: str = ""
+    #: Where the service keeps studies, if not beside the store: a folder, or an address that fsspec knows; and the most
+    #: runs of one.
+    studies: str = ""
+    study_runs: int = 100_000
     #: How long POST /api/runs waits for the result before it answers 202, and the most a client may ask for.
     wait: float = 2.0
     max_wait: float = 60.0

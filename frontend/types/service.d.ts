@@ -236,6 +236,22 @@ export interface Caption {
   zh: string;
 }
 
+/** Named cases; each changes several values at once. */
+export interface CasesFactor {
+  /** Name of its column in the table; empty: the path, or the kind if it has no path. */
+  name: string;
+  kind: 'cases';
+  cases: {[name: string]: {[name: string]: JsonValue}};
+}
+
+/** Named cases; each changes several values at once. */
+export interface CasesFactorInput {
+  /** Name of its column in the table; empty: the path, or the kind if it has no path. */
+  name?: string;
+  kind: 'cases';
+  cases: {[name: string]: {[name: string]: JsonValue}};
+}
+
 /** Plants, experiments, kinds of observers, and the forms of faults and signals. */
 export interface Catalogue {
   plants: (PlantLine)[];
@@ -465,6 +481,27 @@ export interface ComparisonRow {
   cost: number | null;
 }
 
+/** A point of the design by two measures. */
+export interface CompromiseAnswer {
+  /** Number of the point. */
+  point: number;
+  /** Number of its first run. */
+  run: number;
+  /** Median of the first measure. */
+  a: number;
+  /** Median of the second measure. */
+  b: number;
+  /** No other point is better in one of them and as good in the other. */
+  best: boolean;
+  /** The values of the factors there. */
+  values: {[name: string]: number | string};
+}
+
+/** All points of the design by two measures, of which less is better. */
+export interface Compromises {
+  points: (CompromiseAnswer)[];
+}
+
 /** A condition on one measured number: at least, at most, or that it does not exist. */
 export interface Condition {
   measure: string;
@@ -481,6 +518,12 @@ export interface ConditionInput {
   at_most?: number | null;
   /** True where there must be no such number. */
   none?: boolean;
+}
+
+/** What the first alarm named: true faults → name → runs. */
+export interface Confusion {
+  /** `none`: no fault, or no alarm; empty: an alarm that names nothing. */
+  counts: {[name: string]: {[name: string]: number}};
 }
 
 /** A constant value. */
@@ -779,6 +822,19 @@ export interface CurvePanel {
   line: CurveLine;
 }
 
+/** A measure at one value of a factor. */
+export interface CurvePoint {
+  /** The value of the factor. */
+  value: number | string;
+  /** The value of the second factor, by which curves are told apart. */
+  curve: number | string | null;
+  spread: SpreadAnswer;
+  /** Of columns of 0 and 1: the share of ones. */
+  rate: RateAnswer | null;
+  /** Number of the first run there. */
+  run: number;
+}
+
 /** The strip of curves that students see. */
 export interface CurveStrip {
   /** Name of the quantity. */
@@ -799,6 +855,11 @@ export interface CurveStripInput {
   title?: Caption | null;
   unit?: string;
   lines: (CurveLineInput)[];
+}
+
+/** A measure against a factor. */
+export interface Curves {
+  points: (CurvePoint)[];
 }
 
 /** The first text on the stream of curves, and again after every change of columns; binary frames follow it. */
@@ -1468,6 +1529,36 @@ export interface FaultPatterns {
   patterns: (FaultPattern)[];
 }
 
+/** Each of some faults alone, and every pair of them if wanted, in place of the experiment's faults. */
+export interface FaultsFactor {
+  /** Name of its column in the table; empty: the path, or the kind if it has no path. */
+  name: string;
+  kind: 'faults';
+  /** Fault channel → size of its step. */
+  sizes: {[name: string]: number};
+  /** Time in s at which they begin. */
+  onset: number;
+  /** Time in s at which they end; null: never. */
+  end: number | null;
+  /** Also every two of them together. */
+  pairs: boolean;
+}
+
+/** Each of some faults alone, and every pair of them if wanted, in place of the experiment's faults. */
+export interface FaultsFactorInput {
+  /** Name of its column in the table; empty: the path, or the kind if it has no path. */
+  name?: string;
+  kind: 'faults';
+  /** Fault channel → size of its step. */
+  sizes: {[name: string]: number};
+  /** Time in s at which they begin. */
+  onset: number;
+  /** Time in s at which they end; null: never. */
+  end?: number | null;
+  /** Also every two of them together. */
+  pairs?: boolean;
+}
+
 /** One reason for a refusal: the field, the value that arrived, the problem and the remedy. */
 export interface FieldError {
   /** Path of the field, for example faults[0].end. */
@@ -1988,6 +2079,26 @@ export interface LevelLine {
   strip: string;
   /** Its distance from zero, in the unit of the strip. */
   at: number;
+}
+
+/** A value that takes each item of a list. In a sampled design all items are equally probable. */
+export interface ListFactor {
+  /** Name of its column in the table; empty: the path, or the kind if it has no path. */
+  name: string;
+  kind: 'list';
+  /** Where in the experiment, say `observers.adaptive.gains.rho`, `noise.y.std`, `faults.theta3.size`. */
+  path: string;
+  values: (JsonValue)[];
+}
+
+/** A value that takes each item of a list. In a sampled design all items are equally probable. */
+export interface ListFactorInput {
+  /** Name of its column in the table; empty: the path, or the kind if it has no path. */
+  name?: string;
+  kind: 'list';
+  /** Where in the experiment, say `observers.adaptive.gains.rho`, `noise.y.std`, `faults.theta3.size`. */
+  path: string;
+  values: (JsonValue)[];
 }
 
 /** An input, known signal or output of the plant, and the column that it is read from. */
@@ -2524,6 +2635,22 @@ export interface ObserverTable {
   estimates: (EstimateInWindow)[];
 }
 
+/** Each of the experiment's observers alone. */
+export interface ObserversFactor {
+  /** Name of its column in the table; empty: the path, or the kind if it has no path. */
+  name: string;
+  kind: 'observers';
+  labels: (string)[];
+}
+
+/** Each of the experiment's observers alone. */
+export interface ObserversFactorInput {
+  /** Name of its column in the table; empty: the path, or the kind if it has no path. */
+  name?: string;
+  kind: 'observers';
+  labels: (string)[];
+}
+
 /** A structural option of an observer: another value gives other equations. */
 export interface OptionForm {
   name: string;
@@ -2992,6 +3119,29 @@ export interface PlotlyFigure {
   layout: {[name: string]: JsonValue};
 }
 
+/** A point of the design with a cell for each measure. */
+export interface PointAnswer {
+  /** Number of the point. */
+  point: number;
+  /** Number of its first run. */
+  run: number;
+  /** Runs there. */
+  runs: number;
+  /** The values of the factors. */
+  values: {[name: string]: number | string};
+  /** Median [middle half], or count/runs (interval). */
+  cells: (string)[];
+  /** Median, or share, of each measure. */
+  numbers: (number | null)[];
+}
+
+/** The table of points. */
+export interface PointAnswers {
+  /** Names of the columns. */
+  measures: (string)[];
+  points: (PointAnswer)[];
+}
+
 /** Points for one of the four things that count. */
 export interface Points {
   of: 'name' | 'size' | 'soon' | 'accused';
@@ -3386,6 +3536,38 @@ export interface RandomWalkFaultInput {
   sample_time?: number;
 }
 
+/** A number between two bounds: evenly spaced in a grid, anywhere between them in a sampled design. */
+export interface RangeFactor {
+  /** Name of its column in the table; empty: the path, or the kind if it has no path. */
+  name: string;
+  kind: 'range';
+  /** Where in the experiment, say `observers.adaptive.gains.rho`, `noise.y.std`, `faults.theta3.size`. */
+  path: string;
+  /** The least value. */
+  low: number;
+  /** The greatest value. */
+  high: number;
+  scale: 'linear' | 'log';
+  /** Number of values in a grid, the bounds among them. */
+  points: number | null;
+}
+
+/** A number between two bounds: evenly spaced in a grid, anywhere between them in a sampled design. */
+export interface RangeFactorInput {
+  /** Name of its column in the table; empty: the path, or the kind if it has no path. */
+  name?: string;
+  kind: 'range';
+  /** Where in the experiment, say `observers.adaptive.gains.rho`, `noise.y.std`, `faults.theta3.size`. */
+  path: string;
+  /** The least value. */
+  low: number;
+  /** The greatest value. */
+  high: number;
+  scale?: 'linear' | 'log';
+  /** Number of values in a grid, the bounds among them. */
+  points?: number | null;
+}
+
 /** A kind of observer for a plant, and how well it estimates the plant's faults. */
 export interface RankedObserver {
   kind: string;
@@ -3397,6 +3579,18 @@ export interface RankedObserver {
   holds: boolean;
   /** The reason for its rank. */
   why: Text;
+}
+
+/** A share of runs with its exact 95 % interval. */
+export interface RateAnswer {
+  /** Runs that count. */
+  count: number;
+  /** Runs that were counted. */
+  of: number;
+  /** Lower end of the interval, from 0 to 1. */
+  low: number;
+  /** Upper end of the interval, from 0 to 1. */
+  high: number;
 }
 
 /** Whether the service accepts work; status 503 if it does not. */
@@ -3865,6 +4059,23 @@ export interface Rival {
   until: number | null;
 }
 
+/** Alarms without faults against faults found, at each value of a factor. */
+export interface Roc {
+  points: (RocPointAnswer)[];
+}
+
+/** A point of the receiver operating characteristic. */
+export interface RocPointAnswer {
+  /** The value of the factor that sets how soon an alarm is raised. */
+  value: number | string;
+  /** Runs without faults in which there was an alarm. */
+  false: RateAnswer;
+  /** Runs with faults in which all of them were found. */
+  found: RateAnswer;
+  /** Delay in s of the faults that were found. */
+  delay: SpreadAnswer;
+}
+
 /** A room, as its teacher gets it. The token is that of the teacher. */
 export interface RoomOpened {
   token: string;
@@ -4153,6 +4364,20 @@ export interface Seek {
   type: 'seek';
   /** Time in s, rounded to a row, at most the present time. */
   t: number;
+}
+
+/** What each factor does to a measure, the strongest first. */
+export interface Sensitivities {
+  factors: (SensitivityAnswer)[];
+}
+
+/** What a factor does to a measure. */
+export interface SensitivityAnswer {
+  factor: string;
+  /** Spearman's rank correlation; null for a factor of names. */
+  rank: number | null;
+  /** First-order Sobol index: the share of variance that it explains. */
+  first: number | null;
 }
 
 export type ServerMessage = Hello | Ack | Refused | Status | Event | Columns | Rewound | Jump | Spec | Assumptions | DiagnosisNow | FactsNow;
@@ -4566,6 +4791,20 @@ export interface Speed {
   value: number | null;
 }
 
+/** A measure over some runs. */
+export interface SpreadAnswer {
+  /** Runs that have a value. */
+  n: number;
+  /** Runs. */
+  of: number;
+  /** Its median, in the unit of the measure; null: no run has a value. */
+  median: number | null;
+  /** Lower end of the middle half of the runs. */
+  low: number | null;
+  /** Upper end of the middle half of the runs. */
+  high: number | null;
+}
+
 /** Square wave: offset + amplitude on [start + k·period, start + (k + ½)·period), otherwise offset − amplitude. */
 export interface SquareSignal {
   kind: 'square';
@@ -4860,6 +5099,107 @@ export interface StuckFaultInput {
   shape: 'stuck';
   /** Measured value, in the output's unit. */
   value: number;
+}
+
+/** An experiment, what varies in it, how the points are chosen, and what is measured in each run. */
+export interface Study {
+  title: string;
+  description: string;
+  /** Id of a library experiment, or a complete experiment. */
+  experiment: string | Experiment;
+  /** Values of the experiment that differ in all runs, by path. */
+  set: {[name: string]: JsonValue};
+  vary: (ListFactor | RangeFactor | CasesFactor | FaultsFactor | ObserversFactor)[];
+  /** Grid: all combinations. Otherwise `points` points in the box of all factors. */
+  design: 'grid' | 'random' | 'latin-hypercube' | 'sobol';
+  /** Number of points of a sampled design. */
+  points: number | null;
+  /** Seed of a sampled design. */
+  design_seed: number;
+  /** Runs at each point, with the experiment's seed and those that follow it. */
+  seeds: number;
+  /** Runs with the faults, without any, or each of them once. */
+  faults: 'with' | 'without' | 'both';
+  /** Without `detection` no detector runs, and runs of one shape are computed together, much faster. */
+  measures: ('rmse' | 'peak' | 'settling' | 'detection' | 'operations')[];
+  /** Further numbers of each run, by name. */
+  numbers: {[name: string]: Settles | Level | Crosses | Counts | Decays | Rises | Found | Diverged | GainNow};
+  /** Time in s from which errors are measured. */
+  since: number;
+}
+
+/** An experiment, what varies in it, how the points are chosen, and what is measured in each run. */
+export interface StudyInput {
+  title?: string | {[name: string]: string};
+  description?: string | {[name: string]: string};
+  /** Id of a library experiment, or a complete experiment. */
+  experiment: string | ExperimentInput;
+  /** Values of the experiment that differ in all runs, by path. */
+  set?: {[name: string]: JsonValue};
+  vary?: (ListFactorInput | RangeFactorInput | CasesFactorInput | FaultsFactorInput | ObserversFactorInput)[];
+  /** Grid: all combinations. Otherwise `points` points in the box of all factors. */
+  design?: 'grid' | 'random' | 'latin-hypercube' | 'sobol';
+  /** Number of points of a sampled design. */
+  points?: number | null;
+  /** Seed of a sampled design. */
+  design_seed?: number;
+  /** Runs at each point, with the experiment's seed and those that follow it. */
+  seeds?: number;
+  /** Runs with the faults, without any, or each of them once. */
+  faults?: 'with' | 'without' | 'both';
+  /** Without `detection` no detector runs, and runs of one shape are computed together, much faster. */
+  measures?: ('rmse' | 'peak' | 'settling' | 'detection' | 'operations')[];
+  /** Further numbers of each run, by name. */
+  numbers?: {[name: string]: SettlesInput | LevelInput | CrossesInput | CountsInput | DecaysInput | RisesInput | FoundInput | DivergedInput | GainNowInput};
+  /** Time in s from which errors are measured. */
+  since?: number;
+}
+
+/** The studies of a client, the newest first. */
+export interface StudyList {
+  studies: (StudyState)[];
+}
+
+/** The size of a study before it is begun. */
+export interface StudySize {
+  /** The id that it will have. */
+  id: string;
+  /** Number of runs. */
+  runs: number;
+  /** Number of points of the design. */
+  points: number;
+  /** Runs at each point, with as many seeds. */
+  seeds: number;
+  /** Seconds of one processor, by the time that the first block takes. */
+  seconds: number;
+}
+
+/** A study: how far it is, and what its table holds. */
+export interface StudyState {
+  /** Hash of the spec: the same study has the same id. */
+  id: string;
+  title: string;
+  /** Id of the experiment that it repeats. */
+  experiment: string;
+  status: 'running' | 'done' | 'cancelled' | 'failed';
+  /** Number of runs. */
+  runs: number;
+  /** Runs whose rows are kept. */
+  done: number;
+  /** Number of points of the design. */
+  points: number;
+  created: string;
+  /** Whether this client may cancel and remove it. */
+  mine: boolean;
+  /** Why it failed. */
+  problem: Problem | null;
+  /** Columns of what varies. */
+  factors: (string)[];
+  /** Columns of numbers that were measured, as far as they are known. */
+  measures: (string)[];
+  /** Runs of the kept ones that were refused; the table says why. */
+  refused: number;
+  links: {[name: string]: string};
 }
 
 /** Values y at increasing x; `interp(x, name)` is the value between them. */

@@ -24,10 +24,10 @@ def test_a_client_that_asks_for_everything_leaves_threads_to_others(monkeypatch)
         return 1
 
     async def attack() -> None:
-        greedy = [asyncio.create_task(answers._in_turn("greedy", slow)) for _ in range(40)]
+        greedy = [asyncio.create_task(answers.in_turn("greedy", slow)) for _ in range(40)]
         for _ in range(2):
             assert await asyncio.to_thread(begun.acquire, timeout=60)
-        assert await asyncio.wait_for(answers._in_turn("other", lambda: "answered"), 60) == "answered"
+        assert await asyncio.wait_for(answers.in_turn("other", lambda: "answered"), 60) == "answered"
         release.set()
         assert sum(await asyncio.gather(*greedy)) == 40
 

@@ -33,6 +33,7 @@ from thetascope.api.routes import (
     run_results,
     runs,
     sessions,
+    studies,
 )
 from thetascope.api.routes.classroom import launches, seats, teacher
 from thetascope.api.routes.figures import printed_figures
@@ -134,6 +135,7 @@ def _api() -> APIRouter:
         run_comparison,
         runs,
         run_results,
+        studies,
         printed_figures,
         sessions,
         teacher,

@@ -7,7 +7,7 @@ damaged one counts as absent and is computed again. So nothing is lost or counte
 import hashlib
 import io
 import re
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from pathlib import Path
 
 import polars as pl
@@ -108,19 +108,29 @@ class Kept:
         """Return the number of runs whose rows are kept."""
         return sum(last - first for first, last in map(self.span, self._names))
 
-    def tables(self) -> Iterator[pl.DataFrame]:
-        """Yield the rows of all blocks that are kept, in the order of runs."""
-        for block in sorted(self._names):
-            yield pl.read_parquet(io.BytesIO(self._files.read(f"{_BLOCKS}/{self._names[block]}")))
+    @property
+    def names(self) -> frozenset[str]:
+        """Return the names of the files of blocks."""
+        return frozenset(self._names.values())
 
-    def table(self) -> pl.DataFrame:
-        """Return all rows that are kept as one frame, with the columns in one order whatever blocks there are."""
-        frames = list(self.tables())
+    def tables(self, known: Container[str] = ()) -> Iterator[pl.DataFrame]:
+        """Yield the rows of all blocks that are kept, but those of known files, in the order of runs."""
+        for block in sorted(self._names):
+            name = self._names[block]
+            if name not in known:
+                yield pl.read_parquet(io.BytesIO(self._files.read(f"{_BLOCKS}/{name}")))
+
+    def table(self, known: Container[str] = (), before: pl.DataFrame | None = None) -> pl.DataFrame:
+        """Return all rows that are kept as one frame, with the columns in one order whatever blocks there are.
+
+        `before`: the table of the known files, which are not read again.
+        """
+        frames = [*([before] if before is not None and len(before) else []), *self.tables(known)]
         if not frames:
             return pl.DataFrame()
         whole = pl.concat(frames, how="diagonal")
-        known = [name for name in frames[0].columns if not is_measure(name, self.study)]
-        return whole.select(*known, *sorted(name for name in whole.columns if name not in known)).sort("run")
+        fixed = [name for name in frames[0].columns if not is_measure(name, self.study)]
+        return whole.select(*fixed, *sorted(name for name in whole.columns if name not in fixed)).sort("run")
 
 
 def is_measure(name: str, study: Study) -> bool:

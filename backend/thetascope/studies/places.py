@@ -16,6 +16,10 @@ class Files(Protocol):
         """Return the names of the files in a folder, sorted; empty where there is none."""
         ...
 
+    def folders(self) -> list[str]:
+        """Return the names of the folders, sorted."""
+        ...
+
     def read(self, name: str) -> bytes:
         """Return a file. Raises OSError."""
         ...
@@ -39,6 +43,10 @@ class LocalFiles:
         """Return the names of the files in a folder."""
         place = self.root / folder
         return sorted(p.name for p in place.iterdir() if p.is_file()) if place.is_dir() else []
+
+    def folders(self) -> list[str]:
+        """Return the names of the folders."""
+        return sorted(p.name for p in self.root.iterdir() if p.is_dir()) if self.root.is_dir() else []
 
     def read(self, name: str) -> bytes:
         """Return a file."""
@@ -79,11 +87,18 @@ class RemoteFiles:
 
     def names(self, folder: str) -> list[str]:
         """Return the names of the files in a folder."""
+        return self._listed(folder, "file")
+
+    def folders(self) -> list[str]:
+        """Return the names of the folders."""
+        return self._listed("", "directory")
+
+    def _listed(self, folder: str, kind: str) -> list[str]:
         try:
-            found = self._files.ls(f"{self._root}/{folder}", detail=True, refresh=True)
+            found = self._files.ls(f"{self._root}/{folder}".rstrip("/"), detail=True, refresh=True)
         except FileNotFoundError:
             return []
-        return sorted(one["name"].rsplit("/", 1)[-1] for one in found if one["type"] == "file")
+        return sorted(one["name"].rstrip("/").rsplit("/", 1)[-1] for one in found if one["type"] == kind)
 
     def read(self, name: str) -> bytes:
         """Return a file."""

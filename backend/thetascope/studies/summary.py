@@ -11,6 +11,7 @@ import polars as pl
 from scipy.stats import spearmanr
 
 from thetascope.diagnosis.evaluation.rates import clopper_pearson
+from thetascope.studies.design import values_at
 from thetascope.studies.kept import is_measure
 from thetascope_schemas.service.study.factors import FaultsFactor
 from thetascope_schemas.service.study.study import Study
@@ -48,12 +49,13 @@ class Rate:
 
 @dataclass(frozen=True)
 class Against:
-    """A measure at one value of a factor, and of a second one where curves are told apart."""
+    """A measure at one value of a factor, and of a second one where curves are told apart; `run`: the first there."""
 
     value: float | str
     curve: float | str | None
     spread: Spread
     rate: Rate | None
+    run: int
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,11 @@ class RocPoint:
     false: Rate
     found: Rate
     delay: Spread
+
+
+def values_of(study: Study, point: int) -> dict[str, float | str]:
+    """Return the values of the factors at a point, by column."""
+    return {value.column: value.shown for value in values_at(study, point)}
 
 
 def rate_of(count: int, of: int) -> Rate:
@@ -108,7 +115,7 @@ def against(table: pl.DataFrame, measure: str, factor: str, curve: str | None = 
             known = column.drop_nulls()
             rate = rate_of(int(known.sum()), len(known))
         value, of_curve = (key[0], None) if curve is None else (key[1], key[0])
-        rows.append(Against(value, of_curve, spread_of(column), rate))
+        rows.append(Against(value, of_curve, spread_of(column), rate, int(group.get_column("run")[0])))
     numeric = table.schema[factor].is_numeric()
     return sorted(rows, key=lambda row: (str(row.curve), row.value if numeric else 0))
 

@@ -6,14 +6,12 @@ from dataclasses import dataclass
 
 import polars as pl
 
-from thetascope.studies.summary import SHARES, Rate, Spread, measures, rate_of, spread_of
+from thetascope.studies.summary import SHARES, Rate, Spread, measures, rate_of, spread_of, values_of
 from thetascope_schemas.service.study.study import Study
 
 _SHOWN = ("found.", "delay.", "size_error.", "rmse.")
 """Beginnings of the measures that a table shows if nobody chooses any, the most wanted first."""
 _COLUMNS = 6
-FALSE = "false alarms in runs without faults, "
-"""Beginning of the head of the column with the share of runs without faults that had an alarm."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +50,8 @@ def point_table(table: pl.DataFrame, study: Study, chosen: Sequence[str]) -> Poi
     the median and the middle half of the runs.
     """
     factors = tuple(factor.column for factor in study.vary)
+    if not len(table):
+        return PointTable(factors, tuple(chosen), ())
     rows = []
     for _, group in table.group_by(["point"], maintain_order=True):
         values = tuple(group.get_column(name)[0] for name in factors)
@@ -69,6 +69,25 @@ def _cell(group: pl.DataFrame, measure: str) -> Spread | Rate:
         known = column.drop_nulls()
         return rate_of(int(known.sum()), len(known))
     return spread_of(column)
+
+
+def point_answers(table: pl.DataFrame, study: Study, chosen: Sequence[str]) -> list[dict[str, object]]:
+    """Return the rows of `point_table` as plain data, with the values of the factors and the numbers to draw."""
+    if not len(table):
+        return []
+    firsts = table.group_by("point", maintain_order=True).agg(pl.col("run").first()).rows()
+    rows = point_table(table, study, chosen).rows
+    return [
+        {
+            "point": point,
+            "run": run,
+            "runs": row.runs,
+            "values": values_of(study, point),
+            "cells": [cell_text(cell) for cell in row.cells],
+            "numbers": [cell.share if isinstance(cell, Rate) else cell.median for cell in row.cells],
+        }
+        for (point, run), row in zip(firsts, rows, strict=True)
+    ]
 
 
 def cell_text(cell: Spread | Rate) -> str:

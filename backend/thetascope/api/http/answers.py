@@ -124,12 +124,12 @@ async def from_result(request: Request, services: Services, id: str, make: Calla
         run = services.runs.finished(id, client)
         return run if isinstance(run, Job) else make(run)
 
-    answer = await _in_turn(request, attempt)
+    answer = await in_turn(request, attempt)
     if not isinstance(answer, Job):
         return answer
     job = answer
     await ended(job, services.settings.wait)
-    answer = await _in_turn(request, attempt)
+    answer = await in_turn(request, attempt)
     if isinstance(answer, Job):
         raise NotReady(Message("run.not-done", share=answer.progress, href=run_links(id)["progress"]))
     return answer
@@ -138,7 +138,7 @@ async def from_result(request: Request, services: Services, id: str, make: Calla
 _turns: WeakValueDictionary[str, asyncio.Semaphore] = WeakValueDictionary()
 
 
-async def _in_turn(request: Request, work: Callable[[], Value]) -> Value:
+async def in_turn(request: Request, work: Callable[[], Value]) -> Value:
     """Return what `work` returns in a thread; a client has few at a time, so that it never takes all."""
     client = client_of(request)
     turn = _turns.get(client)

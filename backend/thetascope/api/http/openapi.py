@@ -33,6 +33,7 @@ from thetascope_schemas.service.record import Record, RecordRunRequest
 from thetascope_schemas.service.record_diagnosis import RecordDiagnosisRequest
 from thetascope_schemas.service.record_inspection import MappingRequest
 from thetascope_schemas.service.run import Problem
+from thetascope_schemas.service.study.study import Study
 
 SCHEMES = {
     "bearer": {"type": "http", "scheme": "bearer", "description": "The access key, as `Authorization: Bearer KEY`."},
@@ -63,6 +64,7 @@ BODIES = (
     RunNotes,
     ComparisonNotes,
     RunRequest,
+    Study,
     SessionRequest,
     ForkRequest,
     EquationsRequest,

@@ -85,12 +85,14 @@ async def parsed_as(request: Request, services: Services, model: type[Model]) ->
 
 
 async def with_plants(request: Request, services: Services, data: Any) -> Any:
-    """Return the JSON data of a body with a saved plant in full where it names one, as `plant` or `spec.plant`.
+    """Return the JSON data of a body with a saved plant in full where it names one, as `plant`, `spec.plant`
+    or `experiment.plant`.
 
     Raises Unknown, InvalidSpec. It does not validate small plants.
     """
-    if isinstance(data, dict) and isinstance(data.get("spec"), dict):
-        data = data | {"spec": await _with_plant(request, services, data["spec"], "spec.plant")}
+    for part in ("spec", "experiment"):
+        if isinstance(data, dict) and isinstance(data.get(part), dict):
+            data = data | {part: await _with_plant(request, services, data[part], f"{part}.plant")}
     return await _with_plant(request, services, data, "plant")
 
 

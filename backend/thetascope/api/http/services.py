@@ -20,6 +20,7 @@ from thetascope.runs.workers.pool import Workers
 from thetascope.runs.workers.process import preload
 from thetascope.settings import Settings
 from thetascope.store import Database, LessonStore, NotebookStore, PlantStore, RecordStore, RunStore
+from thetascope.studies.jobs import StudyJobs
 from thetascope_schemas.experiment.experiment import ResolvedExperiment
 
 PRELOADED = ("sympy", "thetascope.live.session.session", "thetascope.assembly.analyses.record_diagnosis")
@@ -28,7 +29,7 @@ PRELOADED = ("sympy", "thetascope.live.session.session", "thetascope.assembly.an
 
 @dataclass(frozen=True)
 class Services:
-    """The settings, workers, runs, their notebook, sessions, records, plants, lessons, classrooms, and the database."""
+    """The settings, workers, runs, their notebook, sessions, records, plants, lessons, rooms, studies, database."""
 
     settings: Settings
     workers: Workers
@@ -40,6 +41,7 @@ class Services:
     my_lessons: MyLessons
     notebook: Notebook
     rooms: Rooms
+    studies: StudyJobs
     lti: Tool | None = None
 
     @classmethod
@@ -68,7 +70,9 @@ class Services:
         rooms = Rooms(Computing(workers))
         lti = Tool(settings, rooms) if settings.lti else None
         live = Hub(settings, workers)
-        return cls(settings, workers, runs, live, database, records, plants, lessons, notebook, rooms, lti)
+        studies = StudyJobs(settings, workers)
+        studies.resume()
+        return cls(settings, workers, runs, live, database, records, plants, lessons, notebook, rooms, studies, lti)
 
     def with_record(self, spec: ResolvedExperiment) -> ResolvedExperiment:
         """Return an experiment with the file of its record, if it has one. Raises Unknown for no such record."""
@@ -76,6 +80,7 @@ class Services:
 
     def end_computations(self) -> None:
         """End the active runs, all other computations and their processes."""
+        self.studies.stop()
         self.runs.stop()
         self.workers.close()
 
@@ -86,6 +91,7 @@ class Services:
         self.rooms.stop()
         self.live.stop()
         self.end_computations()
+        self.studies.close()
         self.runs.close()
         self.database.close()
 

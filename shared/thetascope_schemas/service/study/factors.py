@@ -29,6 +29,7 @@ Changes = Annotated[dict[Path, JsonValue], Field(max_length=40, description="Pat
 class Factor(Strict):
     """Base of all factors: something that varies."""
 
+    model_config = example(name="rho")
     name: FactorName = ""
 
     @property
