@@ -52,9 +52,8 @@ class Page(HTMLParser):
 @pytest.fixture
 def html(experiment, result, plant):
     spec = experiment()
-    return report(
-        result(spec), spec, plant, {"id": "abc123", "created": "2025-01-01", "versions": {"thetascope": "0.1"}}
-    )
+    about = {"id": "abc123", "created": "2025-01-01", "versions": {"thetascope": "0.1"}}
+    return report(result(spec), spec, plant, about)
 
 
 def test_report_is_one_file_that_fetches_nothing(html):
@@ -268,6 +267,13 @@ def test_the_diagnosis_of_each_observer_is_in_the_report(experiment, result, pla
         assert part in text, part
     assert html.index("<h2>Diagnosis") < html.index("<figure>")
     assert "<h2>Diagnosis" not in report(result(spec), spec, plant, {})
+
+
+def test_an_observability_that_takes_too_long_is_left_out(experiment, result, plant):
+    """A service computes it in a worker, where it may reach a limit; all else is in the report."""
+    run = diagnosed(result(spec := experiment()), adaptive={})
+    html = report(run, spec, plant, {}, observed=lambda _: None)
+    assert "Not computed: it takes more time or memory than the service allows." in html
 
 
 def test_markup_in_a_diagnosis_stays_text(experiment, result, plant):

@@ -1,7 +1,9 @@
 """Runs are functions of their specs: found, recomputed, cancelled, refused."""
 
+import gc
 import json
 import time
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -263,3 +265,18 @@ def test_memory_holds_the_latest_results_up_to_its_limit(start):
     assert runs._memory.get(second.id) is not None
     runs.submit(spec(seed=2)).done.result(SECONDS)
     assert numbers(runs, first.id).shape[1] == 1001
+
+
+def test_a_run_that_was_removed_leaves_nothing_in_memory(start):
+    """Also without a search for garbage, which is rare: rows of all runs since the last one would stay."""
+    runs = start()
+    gc.disable()
+    try:
+        rows = []
+        for seed in (1, 2):
+            done = completed(runs, spec(seed=seed))
+            rows.append(weakref.ref(runs.finished(done.id).result))
+            runs.remove(done.id)
+        until(lambda: not any(row() for row in rows))
+    finally:
+        gc.enable()

@@ -17,15 +17,15 @@ from thetascope_schemas.experiment.diagnosis import (
 )
 
 
-def diagnosis(report: ReportContext, findings: Mapping[str, ObserverDiagnosis], seen: Observability) -> Markup:
+def diagnosis(report: ReportContext, findings: Mapping[str, ObserverDiagnosis], seen: Observability | None) -> Markup:
     """Return the detector's findings, then each observer's in the order of the spec,
-    then the observability of the plant."""
+    then the observability of the plant. `seen` is None if that was not computed."""
     labels = [label for label in (DETECTOR, *report.run.labels) if label in findings]
     return report.render(
         "diagnosis.html",
         observers=[_observer(report, label, findings[label]) for label in labels],
-        structural=report.say("report.sentence", text=report.text(seen.text)),
-        along=report.say("report.sentence", text=report.text(seen.along)),
+        structural=report.say("report.sentence", text=report.text(seen.text)) if seen else "",
+        along=report.say("report.sentence", text=report.text(seen.along)) if seen else "",
     )
 
 

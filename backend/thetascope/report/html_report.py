@@ -3,7 +3,7 @@
 import json
 import platform
 import shlex
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from importlib import metadata, resources
 from importlib.util import find_spec
@@ -25,9 +25,13 @@ from thetascope.report.observers_section import observers
 from thetascope.report.plant_section import plant_section, timeline
 from thetascope.report.record_section import record
 from thetascope.report.words import ReportContext, mark, number
+from thetascope_schemas import ResolvedExperiment
+from thetascope_schemas.experiment.diagnosis import Observability
 from thetascope_schemas.experiment.figures import Note
 from thetascope_schemas.service.record_diagnosis import RecordDiagnosis
 from thetascope_schemas.texts.local_text import ALL
+
+Observed = Callable[[ResolvedExperiment], Observability | None]
 
 PACKAGES = ("numpy", "scipy", "llvmlite", "sympy", "plotly")
 
@@ -80,12 +84,16 @@ def versions() -> dict[str, str]:
     return found
 
 
-def report(result, spec, plant, run_meta: Mapping[str, Any], language: str = "en") -> str:
+def report(
+    result, spec, plant, run_meta: Mapping[str, Any], language: str = "en", observed: Observed = observability
+) -> str:
     """Return the whole report as HTML text in a language.
 
     result: the run's `Result`; spec: its Experiment; plant: the Plant in full. run_meta, all optional: `id` (of the
     run), `created` (text or datetime), `command` (the command line that makes this report), `versions` (name →
-    version). Raises PlotlyMissing when the drawing script cannot be found.
+    version). `observed` returns the observability of the experiment, None if it was not computed.
+
+    Raises PlotlyMissing when the drawing script cannot be found.
     """
     own = ReportContext(FigureData(result, spec, plant, "light", language))
     figures = [
@@ -106,7 +114,7 @@ def report(result, spec, plant, run_meta: Mapping[str, Any], language: str = "en
         plant=plant_section(own),
         timeline=timeline(own),
         marks=[_mark(own, note) for note in sorted(spec.notes, key=lambda note: note.t)],
-        diagnosis=diagnosis(own, found, observability(spec.with_plant(plant))) if found else "",
+        diagnosis=diagnosis(own, found, observed(spec.with_plant(plant))) if found else "",
         record=record(own, RecordDiagnosis.model_validate(result.record)) if result.record else "",
         figures=[drawn["layout"]["meta"] for drawn in figures],
         comparison=comparison(own, compared, summary) if summary else "",

@@ -1,8 +1,9 @@
 """Answers about runs: the resource, its progress, its links; wait for a result without blocking the event loop."""
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Mapping
 from datetime import UTC, datetime
+from functools import partial
 from typing import TypeVar
 from weakref import WeakValueDictionary
 
@@ -10,8 +11,9 @@ import orjson
 from fastapi import Request
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response, StreamingResponse
+from starlette.types import Receive, Scope, Send
 
-from thetascope.api.http.computed import check_cpu, client_of
+from thetascope.api.http.computed import check_cpu, client_of, while_connected
 from thetascope.api.http.services import Services
 from thetascope.live.wire.localize import encode
 from thetascope.messages import Message
@@ -24,8 +26,8 @@ from thetascope_schemas.service.run import Progress, Run
 
 Value = TypeVar("Value")
 
-_AT_ONCE = 2
-"""Values from results that are built at a time for one client."""
+_UNSENT = 2
+"""Answers of one client that are kept in memory until they are sent."""
 _PIECE = 256 * 1024
 """Bytes of a large answer that are sent together."""
 
@@ -93,13 +95,26 @@ def listed(run: Snapshot | Record, language: str) -> dict[str, object]:
     }
 
 
-def in_pieces(content: bytes, headers: Mapping[str, str], kind: str) -> StreamingResponse:
+class InPieces(StreamingResponse):
+    """An answer in pieces; `sent` is called once when it is sent, or cannot be."""
+
+    sent: Callable[[], None] = staticmethod(lambda: None)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Send the answer."""
+        try:
+            await super().__call__(scope, receive, send)
+        finally:
+            self.sent()
+
+
+def in_pieces(content: bytes, headers: Mapping[str, str], kind: str) -> InPieces:
     """Return a large answer that is sent in pieces, the next one when the last has left.
 
     In one piece, the event loop would copy it twice before anybody else is answered.
     """
     pieces = (content[start : start + _PIECE] for start in range(0, len(content), _PIECE))
-    return StreamingResponse(pieces, 200, {**headers, "Content-Length": str(len(content))}, kind)
+    return InPieces(pieces, 200, {**headers, "Content-Length": str(len(content))}, kind)
 
 
 async def ended(job: Job, seconds: float) -> Snapshot | None:
@@ -135,17 +150,65 @@ async def from_result(request: Request, services: Services, id: str, make: Calla
     return answer
 
 
-_turns: WeakValueDictionary[str, asyncio.Semaphore] = WeakValueDictionary()
+class _Turns:
+    """What one client may have: one answer at a time is made, as two need Python's lock alternately, and few wait."""
+
+    def __init__(self) -> None:
+        self.making, self.unsent = asyncio.Semaphore(1), asyncio.Semaphore(_UNSENT)
+
+
+_turns: WeakValueDictionary[str, _Turns] = WeakValueDictionary()
+
+
+def _turns_of(request: Request) -> _Turns:
+    client = client_of(request)
+    turns = _turns.get(client)
+    if turns is None:
+        turns = _turns[client] = _Turns()
+    return turns
 
 
 async def in_turn(request: Request, work: Callable[[], Value]) -> Value:
-    """Return what `work` returns in a thread; a client has few at a time, so that it never takes all."""
-    client = client_of(request)
-    turn = _turns.get(client)
-    if turn is None:
-        turn = _turns[client] = asyncio.Semaphore(_AT_ONCE)
-    async with turn:
+    """Return what `work` returns in a thread, one after the other for each client, so that none takes all threads.
+
+    Raises ClientDisconnect if the client goes away; work that has not begun is then never done.
+    """
+    return await while_connected(request, _made(_turns_of(request), work))
+
+
+async def _made(turns: _Turns, work: Callable[[], Value]) -> Value:
+    async with turns.making:
         return await run_in_threadpool(work)
+
+
+async def pieces_in_turn(request: Request, pieces: Iterator[bytes]) -> AsyncIterator[bytes]:
+    """Yield pieces that are made as they are sent, each in a turn of the client's: its downloads share one thread."""
+    turns = _turns_of(request)
+    while (piece := await _made(turns, partial(next, pieces, None))) is not None:
+        yield piece
+
+
+def _release(turns: _Turns) -> None:
+    turns.unsent.release()
+
+
+async def kept_until_sent(request: Request, answer: Callable[[], Awaitable[Response]]) -> Response:
+    """Return an answer that is in memory in full until it is sent; a client has few of them, also if it reads slowly.
+
+    Raises what `answer` raises, or ClientDisconnect.
+    """
+    turns = _turns_of(request)
+    await while_connected(request, turns.unsent.acquire())
+    try:
+        made = await answer()
+    except BaseException:
+        turns.unsent.release()
+        raise
+    if isinstance(made, InPieces):
+        made.sent = partial(_release, turns)  # which keeps the turns of the client
+    else:
+        turns.unsent.release()
+    return made
 
 
 def _time(seconds: float) -> datetime:

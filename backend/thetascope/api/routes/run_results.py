@@ -5,10 +5,19 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Query, Request
 from starlette.responses import HTMLResponse, Response, StreamingResponse
 
-from thetascope.api.http.answers import from_result, in_pieces, json_response, run_links
+from thetascope.api.http.answers import (
+    from_result,
+    in_pieces,
+    in_turn,
+    json_response,
+    kept_until_sent,
+    pieces_in_turn,
+    run_links,
+)
+from thetascope.api.http.computed import computed
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
-from thetascope.api.http.services import Use
+from thetascope.api.http.services import Services, Use
 from thetascope.api.routes import table_query
 from thetascope.export import (
     MEDIA_TYPES,
@@ -25,9 +34,11 @@ from thetascope.messages import Message
 from thetascope.runs.jobs.job import Finished
 from thetascope.runs.results.comparison_rows import compared
 from thetascope.runs.results.engine_version import engine_version
-from thetascope.runs.run_report import report_html
+from thetascope.runs.run_report import observed, report_with
 from thetascope.runs.specs.refusals import Unknown, invalid
 from thetascope.runs.specs.resolve_spec import plant_of
+from thetascope.runs.workers.limits import LimitReached
+from thetascope_schemas.experiment.diagnosis import Observability
 from thetascope_schemas.service.answers import FigureList, PlotlyFigure
 from thetascope_schemas.service.comparison import Comparison
 from thetascope_schemas.texts.refusal import suggestion
@@ -78,9 +89,11 @@ async def get_data(
         table = select(finished.result, names, start, end, every, points)
         filename = f"{finished.snapshot.spec.id}-{id[:8]}.{format}"
         headers["Content-Disposition"] = f'attachment; filename="{filename}"'
-        return _written(table, format, encoding, headers)
+        return _written(request, table, format, encoding, headers)
 
-    return await from_result(request, services, id, make)
+    if format in ("csv", "json"):
+        return await from_result(request, services, id, make)
+    return await kept_until_sent(request, lambda: from_result(request, services, id, make))
 
 
 @router.get(
@@ -153,7 +166,7 @@ async def get_notebook(request: Request, id: str, services: Use) -> Response:
     return await from_result(request, services, id, make)
 
 
-@router.get("/report", response_class=HTMLResponse, responses=documented(404, 409, 429))
+@router.get("/report", response_class=HTMLResponse, responses=documented(404, 409, 429, 503))
 async def get_report(
     request: Request,
     id: str,
@@ -162,22 +175,38 @@ async def get_report(
     download: Annotated[bool, Query(description="Send the report as a download.")] = False,
 ) -> Response:
     """Return the run as one HTML file that opens offline, in the requested language."""
+    finished = await from_result(request, services, id, lambda run: run)
+    seen = await _observability(request, services, finished)
 
-    def make(finished: Finished) -> Response:
+    def make() -> Response:
         place = "attachment" if download else "inline"
         headers = {
             "Content-Security-Policy": REPORT_POLICY,
             "Content-Disposition": f'{place}; filename="{finished.snapshot.spec.id}-{id[:8]}.html"',
         }
-        return in_pieces(report_html(finished, None, language).encode(), headers, "text/html; charset=utf-8")
+        return in_pieces(report_with(finished, seen, language).encode(), headers, "text/html; charset=utf-8")
 
-    return await from_result(request, services, id, make)
+    return await kept_until_sent(request, lambda: in_turn(request, make))
 
 
-def _written(table: Table, format: str, encoding: str, headers: dict[str, str]) -> Response:
+async def _observability(request: Request, services: Services, finished: Finished) -> Observability | None:
+    """Return the observability that a report shows, computed in a worker; None if it takes more than it may.
+
+    It simulates the run several times and derives the plant's equations, which takes long for large plants.
+    """
+    task = await in_turn(request, lambda: observed(finished))
+    if task is None:
+        return None
+    try:
+        return await computed(request, services, *task)
+    except LimitReached:
+        return None
+
+
+def _written(request: Request, table: Table, format: str, encoding: str, headers: dict[str, str]) -> Response:
     """Return the table in the requested format; CSV and JSON are made as they are sent, and never in memory in full."""
     kind = MEDIA_TYPES[format]
     if format in ("csv", "json"):
         chunks = csv_chunks(table) if format == "csv" else json_chunks(table, encoding)
-        return StreamingResponse(chunks, 200, headers, kind)
+        return StreamingResponse(pieces_in_turn(request, chunks), 200, headers, kind)
     return in_pieces(parquet_bytes(table) if format == "parquet" else matlab_bytes(table), headers, kind)

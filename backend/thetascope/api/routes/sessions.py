@@ -10,7 +10,16 @@ from starlette.responses import Response, StreamingResponse
 from starlette.routing import WebSocketRoute
 
 from thetascope.access.principal import principal_of
-from thetascope.api.http.answers import ended, in_pieces, json_response, progress_response, run_response
+from thetascope.api.http.answers import (
+    ended,
+    in_pieces,
+    in_turn,
+    json_response,
+    kept_until_sent,
+    pieces_in_turn,
+    progress_response,
+    run_response,
+)
 from thetascope.api.http.computed import (
     check_cpu,
     client_of,
@@ -259,6 +268,7 @@ async def tabulate_observers(
     responses={200: table_query.tables("json", "csv", "mat"), **documented(404, 422)},
 )
 async def get_session_data(
+    request: Request,
     id: str,
     services: Use,
     start: table_query.First = None,
@@ -277,13 +287,17 @@ async def get_session_data(
     first = min(shown, max(room.oldest, 0 if start is None else ceil(start / record - 1e-6)))
     last = shown if end is None else max(first, min(shown, floor(end / record + 1e-6) + 1))
     rows = await room.past_rows(chosen, first, last)
-    table = await run_in_threadpool(lambda: Table(chosen, rows[:, ::every].astype(float)))
+    table = await in_turn(request, lambda: Table(chosen, rows[:, ::every].astype(float)))
     if format == "csv":
-        return StreamingResponse(csv_chunks(table), 200, _named(id, "csv"), MEDIA_TYPES["csv"])
+        chunks = pieces_in_turn(request, csv_chunks(table))
+        return StreamingResponse(chunks, 200, _named(id, "csv"), MEDIA_TYPES["csv"])
     if format == "mat":
-        content = await run_in_threadpool(matlab_bytes, table)
-        return in_pieces(content, _named(id, "mat"), MEDIA_TYPES["mat"])
-    chunks = json_chunks(table, "bdata" if format == "bdata" else "plain")
+
+        def written() -> Response:
+            return in_pieces(matlab_bytes(table), _named(id, "mat"), MEDIA_TYPES["mat"])
+
+        return await kept_until_sent(request, lambda: in_turn(request, written))
+    chunks = pieces_in_turn(request, json_chunks(table, "bdata" if format == "bdata" else "plain"))
     return StreamingResponse(chunks, 200, {}, MEDIA_TYPES["json"])
 
 

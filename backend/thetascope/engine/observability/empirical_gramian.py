@@ -161,7 +161,8 @@ def _result(S: np.ndarray, window: float, names: tuple[str, ...], t: np.ndarray)
     finite = np.isfinite(S).all(axis=(1, 2))
     singular, direction = np.full((K, N), np.nan), np.full((K, N), np.nan)
     for k in np.flatnonzero(finite):
-        _, values, vectors = np.linalg.svd(S[k], full_matrices=True)
+        # `vectors` must be complete; the other factor is not needed, and would be rows × rows
+        _, values, vectors = np.linalg.svd(S[k], full_matrices=len(S[k]) < N)
         singular[k] = np.concatenate([values, np.zeros(N - len(values))])  # fewer values than components
         direction[k] = vectors[-1] * np.sign(vectors[-1][np.abs(vectors[-1]).argmax()])
     with np.errstate(divide="ignore", invalid="ignore"):

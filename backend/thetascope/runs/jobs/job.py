@@ -93,14 +93,22 @@ class Job:
     def cancel(self) -> None:
         """End the run."""
         self._cancel.set()
-        if self._end is not None:
-            self._end()
+        end = self._end
+        if end is not None:
+            end()
 
     def ends(self, end: Callable[[], None]) -> None:
         """Name the function that ends the computation of the run."""
         self._end = end
         if self._cancel.is_set():
             end()
+
+    def forget_computation(self) -> None:
+        """Let go of the computation, which has ended: it refers to the job and to the result.
+
+        Otherwise both would stay, with all rows of the result, until Python searches for garbage, which it does rarely.
+        """
+        self._end = None
 
     @property
     def cancelled(self) -> bool:

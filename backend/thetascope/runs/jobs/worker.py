@@ -117,6 +117,7 @@ class Execution:
 
     def _ended(self, job: Job, spec: ResolvedExperiment, outcome: Any) -> None:
         """Turn the outcome of the computation into that of the job."""
+        job.forget_computation()
         if isinstance(outcome, SpecError):
             self._end(job, from_engine(outcome, in_plant=True))
         elif isinstance(outcome, InvalidSpec):

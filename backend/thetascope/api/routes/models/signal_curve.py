@@ -1,9 +1,9 @@
 """/api/signals/curve: the curve of a signal, for pictures of inputs."""
 
 from fastapi import APIRouter, Request
-from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
+from thetascope.api.http.answers import in_turn
 from thetascope.api.http.computed import computed
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed_as
@@ -34,5 +34,5 @@ async def signal_curve(request: Request, services: Use) -> Response:
     if takes_long(asked):
         points = await computed(request, services, curve_of, asked)
     else:
-        points = await run_in_threadpool(curve_of, asked)
+        points = await in_turn(request, lambda: curve_of(asked))
     return Response(points.model_dump_json(), media_type="application/json")

@@ -9,7 +9,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from thetascope.access.principal import principal_of
-from thetascope.api.http.answers import from_result, json_response
+from thetascope.api.http.answers import from_result, in_turn, json_response
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed_as
@@ -38,13 +38,14 @@ async def compare(request: Request, services: Use, language: Language, ids: Ids,
     """Compare two to six runs: settings in which they differ from the first, and measures of an observer of each."""
     by = principal_of(request.scope)
     runs = await _finished(request, services, ids)
-    compared = compare_runs([run.snapshot for run in runs], observer)
-    lines = [await run_in_threadpool(services.notebook.line, run.snapshot.id, by) for run in runs]
-    notes, damage = await run_in_threadpool(services.notebook.comparison_notes, parse_ids(ids), by)
-    found = differences(compared)
     asked = urlencode({"ids": ids} | ({} if observer is None else {"observer": observer}))
-    return json_response(
-        {
+
+    def make() -> Response:
+        compared = compare_runs([run.snapshot for run in runs], observer)
+        lines = [services.notebook.line(run.snapshot.id, by) for run in runs]
+        notes, damage = services.notebook.comparison_notes(parse_ids(ids), by)
+        found = differences(compared)
+        answer = {
             "runs": [run_line(services, line, by, language) for line in lines],
             "observers": compared.labels,
             "choices": choices(compared),
@@ -55,7 +56,9 @@ async def compare(request: Request, services: Use, language: Language, ids: Ids,
             "measures": [row | {"label": labelled(row["label"], language)} for row in measures(compared)],
             "links": {"figure": f"/api/runs/compare/figure?{asked}"},
         }
-    )
+        return json_response(answer)
+
+    return await in_turn(request, make)
 
 
 @router.get("/figure", response_model=PlotlyFigure, responses=documented(404, 409, 422, 429))
@@ -82,7 +85,7 @@ async def overlay_runs(
         names = _names(request, services, runs)
         return stack(overlaid_runs(runs, names, observer, less, theme, language), theme_named(theme))
 
-    return json_response(await run_in_threadpool(draw))
+    return json_response(await in_turn(request, draw))
 
 
 @router.get("/figure/print", response_model=PrintedFigure, responses={**PRINTED, **documented(404, 409, 422, 429, 503)})
@@ -97,7 +100,7 @@ async def print_overlaid_runs(
     def make() -> Print:
         return prepare_overlaid(runs, _names(request, services, runs), settings, settings.observer, settings.less)
 
-    return await printed_answer(request, services, await run_in_threadpool(make), settings)
+    return await printed_answer(request, services, await in_turn(request, make), settings)
 
 
 @router.put(
