@@ -10,6 +10,7 @@ from starlette.responses import Response
 
 from thetascope.api.http import answers
 from thetascope.api.routes import run_results
+from thetascope.api.routes.notebook import run_lines
 from thetascope.messages import Message
 from thetascope.runs.workers.limits import LimitReached
 
@@ -18,7 +19,7 @@ class Asked:
     """A request of a client, which goes away when it is told to."""
 
     def __init__(self, client: str) -> None:
-        self.client, self.leaves = client, asyncio.Event()
+        self.client, self.leaves, self.scope = client, asyncio.Event(), {}
 
     async def receive(self) -> dict[str, str]:
         await self.leaves.wait()
@@ -97,6 +98,23 @@ def test_work_for_a_client_that_has_gone_is_not_begun():
 
     asyncio.run(attack())
     assert slow.done == 1
+
+
+def test_a_list_of_runs_is_made_in_turn(monkeypatch: pytest.MonkeyPatch):
+    """A search reads every run; eight at the same time would take the processor time of others."""
+    calls = []
+
+    async def in_turn(request: Asked, work: object) -> str:
+        calls.append(request.client)
+        return "listed"
+
+    monkeypatch.setattr(run_lines, "in_turn", in_turn)
+    monkeypatch.setattr(run_lines, "principal_of", lambda scope: scope)
+
+    async def ask() -> object:
+        return await run_lines.list_runs(Asked("one"), None, "en", q="seed > 3")
+
+    assert asyncio.run(ask()) == "listed" and calls == ["one"]
 
 
 @pytest.mark.parametrize("limit", [None, LimitReached(Message("work.memory-limit", limit=1))])

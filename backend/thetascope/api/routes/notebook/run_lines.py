@@ -8,7 +8,7 @@ from starlette.responses import Response
 
 from thetascope import library
 from thetascope.access.principal import Principal, principal_of
-from thetascope.api.http.answers import json_response, listed, run_links
+from thetascope.api.http.answers import in_turn, json_response, listed, run_links
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed_as
@@ -28,7 +28,7 @@ router = APIRouter(prefix="/runs", tags=["runs"])
 
 
 @router.get("", response_model=RunList, responses=documented(422))
-def list_runs(
+async def list_runs(
     request: Request,
     services: Use,
     language: Language,
@@ -52,7 +52,12 @@ def list_runs(
         words, conditions, kind, experiment, tag, since, pinned, sort, down, group, limit=limit, offset=offset
     )
     unfiltered = not (q or kind or experiment or tag or since or pinned or offset)
-    active = services.runs.active() if unfiltered else []
+    return await in_turn(request, lambda: _listed(services, query, by, language, unfiltered))
+
+
+def _listed(services: Services, query: RunQuery, by: Principal, language: str, with_active: bool) -> Response:
+    """Return the answer of a list of runs."""
+    active = services.runs.active() if with_active else []
     lines, counts = services.notebook.page(by, query)
     under_way = {run.id for run in active}
     entries = [_active(run, by, language) for run in active]
@@ -60,7 +65,7 @@ def list_runs(
     return json_response(
         {
             "runs": entries,
-            "groups": _groups(counts, group, language),
+            "groups": _groups(counts, query.group, language),
             "tags": [{"tag": tag, "n": n} for tag, n in sorted(counts.tags.items())],
             "counts": {
                 "all": counts.all,
