@@ -3,6 +3,7 @@
 import time
 from concurrent.futures import Future
 from functools import partial
+from weakref import ref
 
 from thetascope.runs.specs.refusals import Busy
 from thetascope.runs.workers.child import Reporter
@@ -46,11 +47,13 @@ class ServiceEngine:
                 time.sleep(_PATIENCE)
                 continue
             self._begun.add(computation)
-            computation.result.add_done_callback(partial(self._ended, computation))
+            computation.result.add_done_callback(partial(self._ended, ref(computation)))
             return computation.result
 
-    def _ended(self, computation: Computation, _result: object) -> None:
-        self._begun.discard(computation)
+    def _ended(self, ended: "ref[Computation]", _result: object) -> None:
+        computation = ended()
+        if computation is not None:
+            self._begun.discard(computation)
 
     def renew(self) -> None:
         """Do nothing: the service replaces its workers itself."""

@@ -1,8 +1,10 @@
 """Computations in processes: they end at their limits and when nobody waits for them, and clients take turns."""
 
+import gc
 import os
 import threading
 import time
+import weakref
 from collections.abc import Callable
 
 import numpy as np
@@ -166,3 +168,22 @@ def _until(condition: Callable[[], bool]) -> None:
     while not condition():
         assert time.monotonic() < deadline
         time.sleep(0.02)
+
+
+def test_a_computation_that_has_ended_keeps_neither_arguments_nor_result(start):
+    """Also without a search for garbage, which is rare: an uploaded record is among the arguments."""
+    workers = start()
+    gc.disable()
+    try:
+        kept = []
+        for function, argument in ((tasks.zeros, 10), (tasks.fail, None)):
+            computation = workers.call(function, *([] if argument is None else [argument]))
+            computation.result.exception(TIMEOUT)
+            kept.append(weakref.ref(computation))
+            del computation
+        end = time.monotonic() + TIMEOUT
+        while any(one() for one in kept):
+            assert time.monotonic() < end
+            time.sleep(0.01)
+    finally:
+        gc.enable()

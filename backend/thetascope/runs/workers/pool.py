@@ -11,8 +11,10 @@ import time
 from collections import Counter, OrderedDict
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from threading import Lock, Thread, current_thread
 from typing import Any
+from weakref import ref
 
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import Busy
@@ -83,7 +85,8 @@ class Workers:
             limits = replace(self._limits, seconds=_PATIENCE * self._limits.seconds) if trusted else self._limits
             computation = Computation(client, task, limits, trusted=trusted)
             self._shared[task] = computation
-        computation.result.add_done_callback(lambda _: self._forget(computation))
+        # no reference from the result to the computation: it would stay, with its arguments, until a search for garbage
+        computation.result.add_done_callback(partial(self._forget, ref(computation)))
         self._add(computation)
         return computation
 
@@ -184,9 +187,10 @@ class Workers:
                 self._threads.add(thread)
                 thread.start()
 
-    def _forget(self, computation: Computation) -> None:
+    def _forget(self, ended: "ref[Computation]", _result: object) -> None:
+        computation = ended()
         with self._lock:
-            if self._shared.get(computation.task) is computation:
+            if computation is not None and self._shared.get(computation.task) is computation:
                 del self._shared[computation.task]
 
     # ---- one computation, in a thread of its own ---------------------------------------------------------------------
