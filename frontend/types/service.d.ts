@@ -5170,8 +5170,8 @@ export interface StudySize {
   points: number;
   /** Runs at each point, with as many seeds. */
   seeds: number;
-  /** Seconds of one processor, by the time that the first block takes. */
-  seconds: number;
+  /** Seconds of one processor, by the time that the first runs take; null: they took too long to tell. */
+  seconds: number | null;
 }
 
 /** A study: how far it is, and what its table holds. */

@@ -4,6 +4,7 @@ import numpy as np
 import polars as pl
 import pytest
 
+from thetascope.studies.plan import complete
 from thetascope.studies.summary import (
     against,
     confusion,
@@ -67,11 +68,11 @@ def test_a_roc_agrees_with_a_loop_over_single_runs():
 
 
 def test_names_confused_add_up_to_the_runs():
-    """True faults by rows, what the first alarm named by columns."""
+    """True faults by rows, those of the experiment where none varies; what the first alarm named by columns."""
     table = detections()
-    counts = confusion(table, study(RATES), "detector")
-    assert sum(counts["faults"].values()) == 400 and sum(counts["none"].values()) == 400
-    assert counts["faults"]["a"] == int(table["found.detector.a"].sum())
+    counts = confusion(table, complete(study(RATES)), "detector")
+    assert sum(counts["friction"].values()) == 400 and sum(counts["none"].values()) == 400
+    assert counts["friction"]["a"] == int(table["found.detector.a"].sum())
     assert set(counts["none"]) == {"none", "b"}
 
 
@@ -96,7 +97,7 @@ def test_first_order_indices_of_the_ishigami_function():
     rng = np.random.default_rng(5)
     x = rng.uniform(-np.pi, np.pi, (20_000, 3))
     y = np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
-    table = pl.DataFrame({"a": x[:, 0], "b": x[:, 1], "c": x[:, 2], "number.y": y})
+    table = pl.DataFrame({"faulty": [True] * 20_000, "a": x[:, 0], "b": x[:, 1], "c": x[:, 2], "number.y": y})
     factors = [{"kind": "range", "path": p, "name": p, "low": -3.2, "high": 3.2, "points": 2} for p in "abc"]
     found = {one.factor: one.first for one in sensitivity(table, study(*factors), "number.y")}
     assert found["a"] == pytest.approx(0.3139, abs=0.02)
@@ -108,9 +109,9 @@ def test_names_have_an_index_too_and_noise_has_none():
     """A factor of two names explains what it shifts, without the bias of few runs in a class."""
     rng = np.random.default_rng(1)
     kind = rng.integers(0, 2, 4000)
-    table = pl.DataFrame(
-        {"k": np.where(kind, "p", "q"), "n": rng.random(4000), "number.y": kind + rng.normal(size=4000)}
-    )
+    y = kind + rng.normal(size=4000)
+    columns = {"faulty": [True] * 4000, "k": np.where(kind, "p", "q"), "n": rng.random(4000), "number.y": y}
+    table = pl.DataFrame(columns)
     factors = [
         {"kind": "cases", "name": "k", "cases": {"p": {}, "q": {}}},
         {"kind": "range", "path": "n", "low": 0.0, "high": 1.0, "points": 2},
@@ -124,7 +125,13 @@ def test_the_pareto_front_holds_the_points_that_no_other_beats():
     """Against every pair of points."""
     rng = np.random.default_rng(2)
     table = pl.DataFrame(
-        {"run": range(60), "point": np.repeat(range(20), 3), "number.a": rng.random(60), "number.b": rng.random(60)}
+        {
+            "run": range(60),
+            "faulty": [True] * 60,
+            "point": np.repeat(range(20), 3),
+            "number.a": rng.random(60),
+            "number.b": rng.random(60),
+        }
     )
     points = pareto(table, "number.a", "number.b")
     assert len(points) == 20

@@ -101,11 +101,8 @@ def measures(table: pl.DataFrame, study: Study) -> list[str]:
 
 
 def against(table: pl.DataFrame, measure: str, factor: str, curve: str | None = None) -> list[Against]:
-    """Return a measure at each value of a factor, over all else that varies, in the order of values.
-
-    Runs without faults are left out where the measure is about faults: they have none to find.
-    """
-    used = table.filter("faulty") if _about_faults(measure) and table.get_column("faulty").any() else table
+    """Return a measure at each value of a factor, over all else that varies, in the order of values."""
+    used = runs_of(table, measure)
     keys = [factor] if curve is None else [curve, factor]
     rows = []
     for key, group in used.group_by(keys, maintain_order=True):
@@ -141,16 +138,18 @@ def roc(table: pl.DataFrame, who: str, factor: str) -> list[RocPoint]:
 def confusion(table: pl.DataFrame, study: Study, who: str) -> dict[str, dict[str, int]]:
     """Return how often the first alarm named what: true faults → name → runs. "" is an alarm without a name.
 
-    The true faults are the values of the study's factor of faults; a run without faults is "none", as is a run without
-    an alarm.
+    The true faults are the values of the study's factor of faults, or those of its experiment; a run without faults is
+    "none", as is a run without an alarm.
     """
     factor = next((one.column for one in study.vary if isinstance(one, FaultsFactor)), None)
+    base = study.experiment
+    always = "" if isinstance(base, str) else " + ".join(dict.fromkeys(fault.site.name for fault in base.faults))
     counts: dict[str, dict[str, int]] = {}
     wanted = ["faulty", f"name.{who}", f"alarms.{who}", *([factor] if factor else [])]
     for row in table.select(wanted).iter_rows(named=True):
         if row[f"alarms.{who}"] is None:
             continue
-        true = (row[factor] if factor else "faults") if row["faulty"] else "none"
+        true = (row[factor] if factor else always) if row["faulty"] else "none"
         name = row[f"name.{who}"] if row[f"alarms.{who}"] else "none"
         counts.setdefault(true, {}).setdefault(name or "", 0)
         counts[true][name or ""] += 1
@@ -192,7 +191,7 @@ def sensitivity(table: pl.DataFrame, study: Study, measure: str) -> list[Sensiti
     less what the scatter within the classes adds to it (Plischke, Reliability Engineering & System Safety 95, 2010).
     """
     found = []
-    known = table.filter(pl.col(measure).is_not_null() & pl.col(measure).is_finite())
+    known = runs_of(table, measure).filter(pl.col(measure).is_not_null() & pl.col(measure).is_finite())
     y = known.get_column(measure).to_numpy().astype(float)
     for one in study.vary:
         column = known.get_column(one.column)
@@ -239,12 +238,13 @@ class Compromise:
 
 def pareto(table: pl.DataFrame, a: str, b: str) -> list[Compromise]:
     """Return the medians of two measures at each point that has both; smaller is better."""
-    rows = (
-        table.group_by("point", maintain_order=True)
-        .agg(pl.col("run").first(), pl.col(a).median().alias("_a"), pl.col(b).median().alias("_b"))
-        .drop_nulls()
-        .rows()
-    )
+    medians = [
+        runs_of(table, name).group_by("point", maintain_order=True).agg(pl.col("run").first(), pl.col(name).median())
+        for name in (a, b)
+    ]
+    firsts, others = (frame.rename({name: "value"}) for frame, name in zip(medians, (a, b), strict=True))
+    rows = firsts.join(others, on="point", maintain_order="left", suffix="_b").drop_nulls()
+    rows = rows.select("point", "run", "value", "value_b").rows()
     found = []
     for point, run, x, y in rows:
         better = any((u <= x and v <= y) and (u < x or v < y) for _, _, u, v in rows)
@@ -252,5 +252,10 @@ def pareto(table: pl.DataFrame, a: str, b: str) -> list[Compromise]:
     return found
 
 
-def _about_faults(measure: str) -> bool:
-    return measure.startswith((*SHARES, "delay.", "size.", "size_error.", "settling."))
+def runs_of(table: pl.DataFrame, measure: str) -> pl.DataFrame:
+    """Return the runs that a measure is about: with faults, or without for false alarms; all if there are none.
+
+    A median over both kinds would mean neither.
+    """
+    wanted = table.filter(~pl.col("faulty") if measure.startswith(("alarms.", "false.")) else pl.col("faulty"))
+    return wanted if len(wanted) else table

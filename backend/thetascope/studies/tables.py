@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import polars as pl
 
-from thetascope.studies.summary import SHARES, Rate, Spread, measures, rate_of, spread_of, values_of
+from thetascope.studies.summary import SHARES, Rate, Spread, measures, rate_of, runs_of, spread_of, values_of
 from thetascope_schemas.service.study.study import Study
 
 _SHOWN = ("found.", "delay.", "size_error.", "rmse.")
@@ -60,11 +60,10 @@ def point_table(table: pl.DataFrame, study: Study, chosen: Sequence[str]) -> Poi
 
 
 def _cell(group: pl.DataFrame, measure: str) -> Spread | Rate:
+    column = runs_of(group, measure).get_column(measure)
     if measure.startswith("alarms."):
-        column = group.filter(~pl.col("faulty")).get_column(measure).drop_nulls()
-        return rate_of(int((column > 0).sum()), len(column))
-    faulty = group.filter("faulty")
-    column = (faulty if len(faulty) else group).get_column(measure)
+        known = column.drop_nulls()
+        return rate_of(int((known > 0).sum()), len(known))
     if measure.startswith(SHARES):
         known = column.drop_nulls()
         return rate_of(int(known.sum()), len(known))

@@ -22,7 +22,7 @@ FRONTEND = next(
 )
 
 #: Addresses of pages whose files lie in frontend/pages.
-PAGES = ("learn", "lesson-editor", "worksheet", "runs", "records", "workshop", "classroom")
+PAGES = ("learn", "lesson-editor", "worksheet", "runs", "records", "workshop", "classroom", "studies")
 #: Addresses under which every path is one document: `/join/HWRTKM` carries the code of a room.
 ONE_DOCUMENT = ("join",)
 

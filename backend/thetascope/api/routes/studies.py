@@ -1,6 +1,7 @@
 """/api/studies: begin studies, follow them, and what is computed from the runs that are there."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import asdict
 from datetime import UTC, datetime
 from functools import partial
@@ -22,7 +23,8 @@ from thetascope.api.http.services import Services, Use
 from thetascope.api.operation.request_log import audit
 from thetascope.messages import Message
 from thetascope.runs.specs import problem_documents
-from thetascope.runs.specs.refusals import invalid, validated
+from thetascope.runs.specs.refusals import Busy, invalid, validated
+from thetascope.runs.workers.limits import LimitReached
 from thetascope.studies import summary, tables
 from thetascope.studies.block import seconds_of
 from thetascope.studies.jobs import State
@@ -88,7 +90,9 @@ async def measure_study(request: Request, services: Use) -> Response:
     """Return how many runs a study has and how long it will take, by its first runs, without beginning it."""
     study = await parsed(request, services, parse_study)
     tried = min(_TRIED, study.runs)
-    seconds = await computed(request, services, seconds_of, document_of(study), tried) / tried * study.runs
+    seconds: float | None = None
+    with suppress(LimitReached, Busy):  # of the trial, and not of the study
+        seconds = await computed(request, services, seconds_of, document_of(study), tried) / tried * study.runs
     size = {"id": study.study_hash(), "runs": study.runs, "points": study.point_count, "seeds": study.seeds}
     return json_response(size | {"seconds": seconds})
 

@@ -45,6 +45,7 @@ export function createBar(root, act) {
       {class: 'bar-actions'},
       h('label', {class: 'group-by'}, h('span', {class: 'soft'}, t('page.notebook.group')), group.element),
       columns,
+      h('a', {class: 'quiet', href: '/studies/'}, t('page.studies.title')),
       h('a', {class: 'run', href: '/runs/?new'}, t('page.notebook.new-run')),
     ),
   );

@@ -67,7 +67,9 @@ class StudySize(Strict):
     runs: int = Field(description="Number of runs.")
     points: int = Field(description="Number of points of the design.")
     seeds: int = Field(description="Runs at each point, with as many seeds.")
-    seconds: Number = Field(description="Seconds of one processor, by the time that the first block takes.")
+    seconds: Number | None = Field(
+        description="Seconds of one processor, by the time that the first runs take; null: they took too long to tell."
+    )
 
 
 class RateAnswer(Strict):

@@ -1,0 +1,29 @@
+// Fields of the form: a line with its label, a number of things.
+
+import {h} from '../../common/dom.js';
+
+/** @import {Child} from '../../types/dom.js' */
+
+/** @param {string} label @param {...Child} parts */
+export const line = (label, ...parts) =>
+  h('div', {class: 'study-line'}, h('span', {class: 'soft'}, label), h('div', {}, parts));
+
+/**
+ * A field for a whole number above zero.
+ * @param {number} value
+ * @param {string} label
+ * @param {(value: number) => void} set
+ */
+export function countField(value, label, set) {
+  const field = h('input', {
+    type: 'number',
+    min: 1,
+    step: 1,
+    value,
+    'aria-label': label,
+    oninput: () => {
+      if (field.valueAsNumber >= 1) set(Math.floor(field.valueAsNumber));
+    },
+  });
+  return field;
+}
