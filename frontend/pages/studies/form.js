@@ -16,6 +16,7 @@ import {factorOf, pathsOf, textOf} from './values.js';
  */
 
 const GROUPS = /** @type {const} */ (['detection', 'rmse', 'peak', 'settling', 'operations']);
+const TOGETHER = /** @type {const} */ (['set', 'alone', 'pairs']);
 const DESIGNS = /** @type {const} */ (['grid', 'random', 'latin-hypercube', 'sobol']);
 
 /**
@@ -38,7 +39,7 @@ export function createForm(root, experiments, kinds, begin) {
     seeds: 10,
     /** @type {Set<'with' | 'without'>} */
     faults: new Set(/** @type {const} */ (['with', 'without'])),
-    alone: '',
+    together: /** @type {typeof TOGETHER[number]} */ ('set'),
     each: false,
     /** @type {Set<string>} */
     measures: new Set(['detection', 'rmse']),
@@ -80,7 +81,7 @@ export function createForm(root, experiments, kinds, begin) {
       return factor ? [factor] : [];
     });
     if (state.each) vary.push({kind: 'observers', name: 'observer', labels: observers().map((one) => one.label)});
-    if (state.alone) vary.push(faultFactor());
+    if (state.together !== 'set') vary.push(faultFactor());
     return {
       title: state.title,
       description: '',
@@ -104,7 +105,7 @@ export function createForm(root, experiments, kinds, begin) {
     const sizes = {};
     for (const one of steps()) if ('channel' in one && 'size' in one) sizes[one.channel] = one.size;
     const onset = Math.min(...steps().map((one) => one.onset));
-    return {kind: 'faults', name: 'fault', sizes, onset, end: null, pairs: state.alone === 'pairs'};
+    return {kind: 'faults', name: 'fault', sizes, onset, end: null, pairs: state.together === 'pairs'};
   }
 
   function changed() {
@@ -181,7 +182,7 @@ export function createForm(root, experiments, kinds, begin) {
           state.experiment = chosen.value;
           state.inline = null;
           state.rows = [{path: '', text: ''}];
-          state.alone = '';
+          state.together = 'set';
           state.each = false;
           draw();
           load();
@@ -273,13 +274,13 @@ export function createForm(root, experiments, kinds, begin) {
       {
         'aria-label': t('page.studies.together'),
         onchange: () => {
-          state.alone = chosen.value;
+          state.together = TOGETHER.find((one) => one === chosen.value) ?? 'set';
           draw();
           changed();
         },
       },
-      ['', 'alone', 'pairs'].map((one) =>
-        h('option', {value: one, selected: one === state.alone}, t(`page.studies.together.${one || 'set'}`)),
+      TOGETHER.map((one) =>
+        h('option', {value: one, selected: one === state.together}, t(`page.studies.together.${one}`)),
       ),
     );
     return line(
@@ -381,7 +382,7 @@ export function createForm(root, experiments, kinds, begin) {
       state.rows = written.map((one) => ({path: one.path, text: textOf(one)}));
       state.each = study.vary.some((one) => one.kind === 'observers');
       const faults = study.vary.find((one) => one.kind === 'faults');
-      state.alone = faults ? (faults.kind === 'faults' && faults.pairs ? 'pairs' : 'alone') : '';
+      state.together = faults ? (faults.kind === 'faults' && faults.pairs ? 'pairs' : 'alone') : 'set';
       state.seeds = study.seeds ?? 1;
       state.faults = new Set(
         study.faults === 'both' ? /** @type {const} */ (['with', 'without']) : [study.faults ?? 'with'],
