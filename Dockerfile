@@ -3,8 +3,9 @@ FROM python:3.11.14-slim-bookworm AS build
 ENV PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_CACHE_DIR=1
 RUN python -m venv /opt/thetascope
 WORKDIR /source
-COPY requirements.txt ./
-RUN /opt/thetascope/bin/pip install --require-hashes --requirement requirements.txt
+COPY requirements.txt requirements-cluster.txt ./
+# Dask, too, for the profile cluster of docker-compose.yml: the service and the workers are one image.
+RUN /opt/thetascope/bin/pip install --require-hashes --requirement requirements-cluster.txt
 COPY pyproject.toml README.md LICENSE ./
 COPY shared shared
 COPY backend backend

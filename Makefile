@@ -53,7 +53,8 @@ site: ## Build the documentation as a site, in build/site
 
 pins: ## Choose versions anew from pyproject.toml (needs uv)
 	uv pip compile --quiet $(PIN) --group build --output-file requirements.txt pyproject.toml
-	uv pip compile --quiet $(PIN) --group build --group dev --constraint requirements.txt --output-file requirements-dev.txt pyproject.toml
+	uv pip compile --quiet $(PIN) --group build --extra cluster --constraint requirements.txt --output-file requirements-cluster.txt pyproject.toml
+	uv pip compile --quiet $(PIN) --group build --group dev --constraint requirements-cluster.txt --output-file requirements-dev.txt pyproject.toml
 	uv pip compile --quiet $(PIN) --group build --group dev --group bench --constraint requirements-dev.txt --output-file requirements-bench.txt pyproject.toml
 PIN := --universal --python-version 3.11 --fork-strategy fewest --generate-hashes --upgrade --custom-compile-command "make pins"
 

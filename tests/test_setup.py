@@ -13,6 +13,8 @@ import pytest
 from tools import browser, environment, page_tools
 
 ROOT = Path(__file__).parents[1]
+CLUSTER = "requirements-cluster.txt"
+"""What the image installs: the service, and Dask for its workers."""
 PIN = re.compile(r"^([a-z0-9-]+)==([^ ;]+)( ; .+)? \\$")
 
 
@@ -28,7 +30,7 @@ def pins(file: str) -> dict[str, str]:
     return found
 
 
-@pytest.mark.parametrize("file", environment.LEVELS.values())
+@pytest.mark.parametrize("file", [*environment.LEVELS.values(), CLUSTER])
 def test_requirements_are_versions_with_hashes_and_nothing_else(file: str):
     """Each package has one exact version and hashes; no line names an index."""
     blocks = re.split(r"^(?=[a-z])", (ROOT / file).read_text(), flags=re.MULTILINE)[1:]
@@ -40,6 +42,7 @@ def test_each_level_contains_the_one_before_it_at_the_same_versions():
     """Developers and benchmarks use the versions of users."""
     run, dev, bench = (pins(file) for file in environment.LEVELS.values())
     assert run.items() <= dev.items() <= bench.items()
+    assert run.items() <= pins(CLUSTER).items() <= dev.items()
 
 
 def test_every_dependency_is_pinned():
