@@ -30,6 +30,10 @@ export function downloads({run, chosen, foreign, ranWith}) {
         {type: 'button', class: 'quiet', title: t('page.runs.open-live.hint'), onclick: () => openLive(run)},
         t('page.runs.open-live'),
       ),
+      !run.spec.truth.record &&
+        link(t('page.studies.of-run'), `/studies/?run=${encodeURIComponent(run.id)}`, {
+          title: t('page.studies.of-run.hint'),
+        }),
       link('CSV', data('csv'), {download: ''}),
       link('MATLAB .mat', data('mat'), {download: ''}),
       link('JSON', data('json'), {download: ''}),

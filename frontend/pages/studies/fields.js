@@ -1,4 +1,4 @@
-// Fields of the form: a line with its label, a number of things.
+// Fields of the form: a line with its label, a number of things; and the form as a file.
 
 import {h} from '../../common/dom.js';
 
@@ -26,4 +26,12 @@ export function countField(value, label, set) {
     },
   });
   return field;
+}
+
+/** Save data as a file. @param {string} name @param {unknown} data */
+export function saveFile(name, data) {
+  const blob = new Blob([JSON.stringify(data, null, 1)], {type: 'application/json'});
+  const link = h('a', {href: URL.createObjectURL(blob), download: name});
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }

@@ -1,9 +1,10 @@
 // The form of a study: the experiment, what varies, how often, with which faults, and what is measured.
 
-import {get, post, reason} from '../../common/api.js';
+import {post, reason} from '../../common/api.js';
 import {fill, h} from '../../common/dom.js';
 import {named, t} from '../../i18n/words.js';
-import {countField, line} from './fields.js';
+import {OWN, factsOf, faultsAlone, specOfRun} from './experiment.js';
+import {countField, line, saveFile} from './fields.js';
 import {factorOf, pathsOf, textOf} from './values.js';
 
 /** @import * as service from '../../types/service.js' */
@@ -21,11 +22,11 @@ const DESIGNS = /** @type {const} */ (['grid', 'random', 'latin-hypercube', 'sob
 
 /**
  * @param {HTMLElement} root
- * @param {readonly service.ExperimentLine[]} experiments
- * @param {readonly service.ObserverKind[]} kinds
+ * @param {{experiments: readonly service.ExperimentLine[], kinds: readonly service.ObserverKind[],
+ *   own: readonly service.MyPlantLine[]}} known   the library's experiments and observers, and the saved plants
  * @param {(study: service.Study, experiment: string) => Promise<void>} begin
  */
-export function createForm(root, experiments, kinds, begin) {
+export function createForm(root, {experiments, kinds, own}, begin) {
   const state = {
     experiment: experiments[0].id,
     /** @type {service.Experiment | null} */
@@ -34,6 +35,8 @@ export function createForm(root, experiments, kinds, begin) {
     spec: null,
     /** @type {string[]} */
     parameters: [],
+    /** @type {service.CasesFactor[]} */
+    others: [],
     /** @type {Row[]} */
     rows: [{path: '', text: ''}],
     seeds: 10,
@@ -61,15 +64,16 @@ export function createForm(root, experiments, kinds, begin) {
   /** Get what the experiment and its plant have, for the names to choose from. */
   async function load() {
     const chosen = state.inline ?? state.experiment;
-    /** @type {service.Experiment} */
-    const spec = typeof chosen === 'string' ? await get(`/api/experiments/${encodeURIComponent(chosen)}`) : chosen;
-    /** @type {service.Plant} */
-    const plant =
-      typeof spec.plant === 'string' ? await get(`/api/plants/${encodeURIComponent(spec.plant)}`) : spec.plant;
-    if (chosen !== (state.inline ?? state.experiment)) return;
-    state.spec = spec;
-    state.parameters = plant.parameters.map((one) => one.name);
-    draw();
+    try {
+      const found = await factsOf(chosen);
+      if (chosen !== (state.inline ?? state.experiment)) return;
+      state.spec = found.spec;
+      state.parameters = found.parameters;
+      if (typeof chosen === 'string' && chosen.startsWith(OWN)) state.inline = found.spec;
+      draw();
+    } catch (error) {
+      fill(refused, reason(error).message);
+    }
   }
 
   /** The study that the form says. @returns {service.Study} */
@@ -81,7 +85,8 @@ export function createForm(root, experiments, kinds, begin) {
       return factor ? [factor] : [];
     });
     if (state.each) vary.push({kind: 'observers', name: 'observer', labels: observers().map((one) => one.label)});
-    if (state.together !== 'set') vary.push(faultFactor());
+    if (state.together !== 'set') vary.push(faultsAlone(steps(), state.together === 'pairs'));
+    vary.push(...state.others);
     return {
       title: state.title,
       description: '',
@@ -97,15 +102,6 @@ export function createForm(root, experiments, kinds, begin) {
       numbers: {},
       since: 0,
     };
-  }
-
-  /** Each fault of the experiment alone, as steps of its size. @returns {service.FaultsFactor} */
-  function faultFactor() {
-    /** @type {{[channel: string]: number}} */
-    const sizes = {};
-    for (const one of steps()) if ('channel' in one && 'size' in one) sizes[one.channel] = one.size;
-    const onset = Math.min(...steps().map((one) => one.onset));
-    return {kind: 'faults', name: 'fault', sizes, onset, end: null, pairs: state.together === 'pairs'};
   }
 
   function changed() {
@@ -182,6 +178,7 @@ export function createForm(root, experiments, kinds, begin) {
           state.experiment = chosen.value;
           state.inline = null;
           state.rows = [{path: '', text: ''}];
+          state.others = [];
           state.together = 'set';
           state.each = false;
           draw();
@@ -190,6 +187,9 @@ export function createForm(root, experiments, kinds, begin) {
         },
       },
       state.inline && h('option', {value: '', selected: true}, named(state.inline.title) || state.inline.id),
+      own.map(({id, title}) =>
+        h('option', {value: OWN + id, selected: !state.inline && state.experiment === OWN + id}, title || id),
+      ),
       experiments.map((one) =>
         h(
           'option',
@@ -339,18 +339,14 @@ export function createForm(root, experiments, kinds, begin) {
         'p',
         {class: 'study-actions'},
         h('button', {type: 'button', class: 'run', disabled: state.busy, onclick: start}, t('page.studies.begin')),
-        h('button', {type: 'button', class: 'quiet', onclick: download}, t('page.studies.file')),
+        h(
+          'button',
+          {type: 'button', class: 'quiet', onclick: () => saveFile('study.json', study())},
+          t('page.studies.file'),
+        ),
       ),
       h('p', {class: 'soft study-hint'}, t('page.studies.same')),
     );
-  }
-
-  /** Save the study as a file for the command line. */
-  function download() {
-    const blob = new Blob([JSON.stringify(study(), null, 1)], {type: 'application/json'});
-    const link = h('a', {href: URL.createObjectURL(blob), download: 'study.json'});
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   }
 
   return {
@@ -362,10 +358,15 @@ export function createForm(root, experiments, kinds, begin) {
       draw();
       if (state.rows.some((row) => row.text)) changed();
     },
-    /** Begin with an experiment of the library, or the first. @param {string | null} id */
-    start(id) {
+    /**
+     * Begin with an experiment of the library, with that of a run, or the first.
+     * @param {string | null} id
+     * @param {string | null} run
+     */
+    async start(id, run) {
       const known = experiments.find((one) => one.id === id);
       if (known) state.experiment = known.id;
+      if (run) state.inline = await specOfRun(run);
       draw();
       load();
     },
@@ -380,6 +381,7 @@ export function createForm(root, experiments, kinds, begin) {
       /** @type {Written[]} */
       const written = study.vary.filter((one) => one.kind === 'list' || one.kind === 'range');
       state.rows = written.map((one) => ({path: one.path, text: textOf(one)}));
+      state.others = study.vary.filter((one) => one.kind === 'cases');
       state.each = study.vary.some((one) => one.kind === 'observers');
       const faults = study.vary.find((one) => one.kind === 'faults');
       state.together = faults ? (faults.kind === 'faults' && faults.pairs ? 'pairs' : 'alone') : 'set';

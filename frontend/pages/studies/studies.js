@@ -5,6 +5,8 @@ import {fill, h, query} from '../../common/dom.js';
 import {mountTop} from '../../common/page-header.js';
 import {chosenLanguage} from '../../i18n/language.js';
 import {named, speak, t} from '../../i18n/words.js';
+import {pack} from '../../live/state/permalink.js';
+import {ownPlants} from '../../widgets/own-plants.js';
 import {createForm} from './form.js';
 import {createResults} from './results.js';
 
@@ -26,7 +28,7 @@ let begun = {at: 0, done: 0};
 /** @type {ReturnType<typeof setTimeout> | undefined} */
 let timer;
 
-const form = createForm(query('.study-form'), experiments, observers, begin);
+const form = createForm(query('.study-form'), {experiments, kinds: observers, own: await ownPlants()}, begin);
 const results = createResults(right, {open: openRun});
 
 /** @param {service.Study} study */
@@ -66,8 +68,11 @@ async function openRun(run, live) {
   fill(refused, h('span', {class: 'soft'}, t('page.studies.opening')));
   try {
     const spec = await get(`${state.links.self}/runs/${run}`);
-    const made = await post('/api/runs', spec);
-    location.href = live ? `/?run=${encodeURIComponent(made.id)}` : `/runs/?run=${encodeURIComponent(made.id)}`;
+    if (live) location.assign(`/#s=${await pack({spec, t: 0})}`);
+    else {
+      const made = await post('/api/runs', spec);
+      location.assign(`/runs/?run=${encodeURIComponent(made.id)}`);
+    }
   } catch (error) {
     fill(refused, reason(error).message);
   }
@@ -209,6 +214,7 @@ function drawList() {
 async function arrive() {
   const id = new URLSearchParams(location.search).get('study');
   const experiment = new URLSearchParams(location.search).get('experiment');
+  const run = new URLSearchParams(location.search).get('run');
   clearTimeout(timer);
   state = null;
   if (id) {
@@ -221,7 +227,7 @@ async function arrive() {
     }
   }
   ({studies: known} = await get('/api/studies'));
-  form.start(experiment);
+  await form.start(experiment, run);
   drawBar();
   return drawList();
 }

@@ -37,6 +37,9 @@ def test_a_study_is_made_in_the_form_and_its_runs_open(page):
     studies.click(".study-tabs button:nth-child(5)")
     studies.click(".study-scroll tbody tr:first-child button")
     studies.wait_for_url("**/runs/?run=*")
+    studies.click("a[href^='/studies/?run=']")
+    until(studies, "document.querySelectorAll('#study-paths option').length > 3")
+    assert studies.eval_on_selector(".study-form select", "one => one.value") == ""  # the run's own experiment
     assert studies.watch.errors == [] and studies.watch.foreign == []
 
 

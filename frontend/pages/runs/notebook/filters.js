@@ -45,7 +45,6 @@ export function createBar(root, act) {
       {class: 'bar-actions'},
       h('label', {class: 'group-by'}, h('span', {class: 'soft'}, t('page.notebook.group')), group.element),
       columns,
-      h('a', {class: 'quiet', href: '/studies/'}, t('page.studies.title')),
       h('a', {class: 'run', href: '/runs/?new'}, t('page.notebook.new-run')),
     ),
   );
@@ -103,6 +102,7 @@ export function createShelf(root, act) {
         entry('pinned', t('page.notebook.pinned'), counts.pinned, filter.pinned, {pinned: true}),
         entry('session', t('page.notebook.from-live'), session, filter.kind === 'session', {kind: 'session'}),
         entry('record', t('page.nav.records'), record, filter.kind === 'record', {kind: 'record'}),
+        h('li', {}, h('a', {href: '/studies/'}, t('page.studies.title'))),
       ),
       tags.length > 0 && [
         h('h2', {}, t('page.notebook.tags')),

@@ -51,7 +51,7 @@ class Study(Strict):
         title="Forgetting against noise",
         description="",
         experiment="zhao-2012",
-        set={"horizon": 10},
+        set={"horizon": 2.0},
         vary=[
             {
                 "kind": "range",
@@ -68,7 +68,7 @@ class Study(Strict):
         design_seed=0,
         seeds=2,
         faults="both",
-        measures=["rmse", "detection"],
+        measures=["rmse", "settling"],
         numbers={},
         since=0,
     )
