@@ -30,6 +30,8 @@ LANES_FROM = 4
 lanes. With fewer, each run chooses its own."""
 _BYTES = 64 << 20
 """Most bytes of the states that are computed together in lanes."""
+_SHORT = 0.05
+"""Seconds of a run that takes so short that several are tried."""
 _TEXTS = ("id", "error")
 _WHOLE = ("run", "point", "seed", "substeps")
 
@@ -68,12 +70,16 @@ def compute(document: bytes, first: int, last: int) -> bytes:
     return buffer.getvalue()
 
 
-def seconds_of(document: bytes, runs: int) -> float:
-    """Return the processor time in s of the first runs of a study, after they were compiled."""
-    compute(document, 0, runs)
-    begun = time.process_time()
-    compute(document, 0, runs)
-    return time.process_time() - begun
+def seconds_of_run(document: bytes, most: int) -> float:
+    """Return the processor time in s of one run of a study, by its first one; if that is short, by up to `most`."""
+    compute(document, 0, 1)  # compiles
+    for count in (1, most):
+        begun = time.process_time()
+        compute(document, 0, count)
+        seconds = (time.process_time() - begun) / count
+        if seconds > _SHORT:
+            break
+    return seconds
 
 
 @lru_cache(maxsize=4)

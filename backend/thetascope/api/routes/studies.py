@@ -26,7 +26,7 @@ from thetascope.runs.specs import problem_documents
 from thetascope.runs.specs.refusals import Busy, invalid, validated
 from thetascope.runs.workers.limits import LimitReached
 from thetascope.studies import summary, tables
-from thetascope.studies.block import seconds_of
+from thetascope.studies.block import seconds_of_run
 from thetascope.studies.jobs import State
 from thetascope.studies.kept import document_of
 from thetascope.studies.plan import at_place, complete, experiment_of_point, place_of
@@ -92,7 +92,7 @@ async def measure_study(request: Request, services: Use) -> Response:
     tried = min(_TRIED, study.runs)
     seconds: float | None = None
     with suppress(LimitReached, Busy):  # of the trial, and not of the study
-        seconds = await computed(request, services, seconds_of, document_of(study), tried) / tried * study.runs
+        seconds = study.runs * await computed(request, services, seconds_of_run, document_of(study), tried)
     size = {"id": study.study_hash(), "runs": study.runs, "points": study.point_count, "seeds": study.seeds}
     return json_response(size | {"seconds": seconds})
 
