@@ -10,15 +10,15 @@ created, which is a seventh of the time in which a service starts, and a tenth o
 import gc
 import os
 
-ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-"""Variables of the environment that NumPy reads when it is imported."""
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "POLARS_MAX_THREADS": "1"}
+"""Variables of the environment that NumPy and polars read when they are imported."""
 BY_DEFAULT = gc.get_threshold()
 
 
 def use_one_thread() -> None:
     """Let this process and those that it starts use one thread, unless the environment names a number.
 
-    Called before NumPy is imported.
+    Called before NumPy and polars are imported.
     """
     for name, value in ONE_THREAD.items():
         os.environ.setdefault(name, value)

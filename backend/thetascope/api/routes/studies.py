@@ -24,7 +24,7 @@ from thetascope.api.operation.request_log import audit
 from thetascope.messages import Message
 from thetascope.runs.specs import problem_documents
 from thetascope.runs.specs.refusals import Busy, invalid, validated
-from thetascope.runs.workers.limits import LimitReached
+from thetascope.runs.workers.limits import Crashed, LimitReached
 from thetascope.studies import summary, tables
 from thetascope.studies.block import seconds_of_run
 from thetascope.studies.jobs import State
@@ -91,7 +91,7 @@ async def measure_study(request: Request, services: Use) -> Response:
     study = await parsed(request, services, parse_study)
     tried = min(_TRIED, study.runs)
     seconds: float | None = None
-    with suppress(LimitReached, Busy):  # of the trial, and not of the study
+    with suppress(LimitReached, Crashed, Busy):  # of the trial, and not of the study
         seconds = study.runs * await computed(request, services, seconds_of_run, document_of(study), tried)
     size = {"id": study.study_hash(), "runs": study.runs, "points": study.point_count, "seeds": study.seeds}
     return json_response(size | {"seconds": seconds})
