@@ -29,7 +29,11 @@ export async function factsOf(chosen) {
   }
 }
 
-/** The experiment that suits a saved plant, with a fault. @param {string} plant @returns {Promise<service.Experiment>} */
+/**
+ * The experiment that suits a saved plant, with a fault.
+ * @param {string} plant
+ * @returns {Promise<service.Experiment>}
+ */
 async function completed(plant) {
   const made = await experimentOn(plant, {fault: true});
   return /** @type {service.Experiment} */ ({noise: {}, faults: [], observers: [], parameters: {}, ...made});
