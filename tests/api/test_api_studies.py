@@ -18,7 +18,7 @@ SMALL = GAINS | {"seeds": 2, "measures": ["rmse", "settling"]}
 
 
 def until_done(client: Client, state: dict, seconds: float = 120) -> dict:
-    """Return a study when it is no longer computed."""
+    """Return a study once its computation has ended."""
     until = time.monotonic() + seconds
     while state["status"] == "running":
         assert time.monotonic() < until, state

@@ -1,6 +1,6 @@
 // Fields of the form: a line with its label, a number of things; and the form as a file.
 
-import {h} from '../../common/dom.js';
+import {fill, h} from '../../common/dom.js';
 
 /** @import {Child} from '../../types/dom.js' */
 
@@ -34,4 +34,16 @@ export function saveFile(name, data) {
   const link = h('a', {href: URL.createObjectURL(blob), download: name});
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+/**
+ * Fill a form anew without taking the focus from the field in which somebody types.
+ * @param {HTMLElement} root @param {...Child} parts
+ */
+export function refill(root, ...parts) {
+  const fields = () => [...root.querySelectorAll('input, select, button')];
+  const place = fields().findIndex((one) => one === document.activeElement);
+  fill(root, ...parts);
+  const next = fields()[place];
+  if (next instanceof HTMLElement) next.focus();
 }

@@ -4,7 +4,7 @@ import {post, reason} from '../../common/api.js';
 import {fill, h} from '../../common/dom.js';
 import {named, t} from '../../i18n/words.js';
 import {OWN, factsOf, faultsAlone, specOfRun} from './experiment.js';
-import {countField, line, saveFile} from './fields.js';
+import {countField, line, refill, saveFile} from './fields.js';
 import {factorOf, pathsOf, textOf} from './values.js';
 
 /** @import * as service from '../../types/service.js' */
@@ -292,7 +292,7 @@ export function createForm(root, {experiments, kinds, own}, begin) {
   }
 
   function draw() {
-    fill(
+    refill(
       root,
       h('h2', {class: 'study-caption'}, t('page.studies.form')),
       experimentLine(),
