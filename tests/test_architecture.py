@@ -82,7 +82,7 @@ def test_observers_import_only_the_mathematics(imports: grimp.ImportGraph):
     ("package", "allowed"),
     [
         ("thetascope_schemas", {"pydantic", "pydantic_core"}),
-        ("thetascope.engine", {"numpy", "scipy", "sympy", "llvmlite"}),
+        ("thetascope.engine", {"numpy", "scipy", "sympy", "llvmlite", "clarabel"}),
         ("thetascope.diagnosis", {"numpy", "scipy"}),
         ("thetascope.messages", {"babel"}),
         ("thetascope.client", {"numpy"}),

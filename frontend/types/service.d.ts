@@ -196,6 +196,8 @@ export interface AssumptionCheck {
   threshold: number | null;
   /** Paper and equation. */
   source: string;
+  /** Other gains, designed so that they meet this check; null where there are none. */
+  gains: {[name: string]: (number)[]} | null;
 }
 
 /** The assumption checks of one observer over the session up to now. */

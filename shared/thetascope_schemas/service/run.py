@@ -41,6 +41,7 @@ _CHECK = {
     "value": 0.0026,
     "threshold": 0.001,
     "source": "Zhao, Li, Li 2012, eq. (36)",
+    "gains": None,
 }
 _OBSERVER = {
     "label": "adaptive",
@@ -105,6 +106,9 @@ class AssumptionCheck(Strict):
     value: Number | None = Field(default=None, description="The computed value.")
     threshold: Number | None = Field(default=None, description="The value that it is compared with.")
     source: str = Field(default="", description="Paper and equation.")
+    gains: dict[str, tuple[Number, ...]] | None = Field(
+        default=None, description="Other gains, designed so that they meet this check; null where there are none."
+    )
 
 
 class FinalValue(Strict):

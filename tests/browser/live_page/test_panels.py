@@ -178,6 +178,20 @@ def test_the_lights_show_the_checks(tab):
     assert live.locator("#panel-observers .lights .light.ok").count() == held
 
 
+def test_gains_that_a_theorem_asks_for_are_taken_with_one_click(tab):
+    """With K = (1.2, 1) Theorem 2 fails; the designed K stands in the list, and a click puts it into the observer."""
+    live = opened(tab, "/?experiment=shen-hu-2015-noise-free&t=4")
+    live.evaluate("thetascope.send({type: 'set-gain', observer: 'linear', gain: 'K', value: [1.2, 1]})")
+    live.evaluate("thetascope.act.step(50)")
+    until(live, "thetascope.state.checks.linear?.some((one) => one.gains)")
+    card = live.locator("#panel-observers .observer[aria-label=linear]")
+    card.locator(".lights").click()
+    card.locator(".checks button.press").first.click()
+    until(live, "thetascope.state.observers.find((one) => one.label === 'linear').gains.K[0] > 1.3")
+    live.evaluate("thetascope.act.step(50)")
+    until(live, "thetascope.state.checks.linear.every((one) => !one.gains)")
+
+
 def test_a_question_is_carried_out_with_one_click(tab):
     """The first question lowers λ, and the card shows it."""
     live = opened(tab, PAUSED)

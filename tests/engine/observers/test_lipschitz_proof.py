@@ -6,7 +6,7 @@ import scipy.linalg
 
 from tests.simulate import simulate
 from thetascope import library
-from thetascope.engine.observers.forms.lipschitz_proof import Constants, gains_for_theorem2, quasi_one_sided
+from thetascope.engine.observers.forms.lipschitz_proof import Constants, designed_gains, quasi_one_sided
 from thetascope.engine.observers.forms.matching_condition import closed, fastest_rate, matched_gains, matched_Ps
 from thetascope_schemas import Experiment
 
@@ -63,7 +63,7 @@ def test_M_bounds_the_nonlinearity_in_the_norm_of_P():
 def test_gains_for_theorem_2_exist_where_the_zeros_are_fast_enough():
     """Without γ, (7) at ρ = 0 asks for c > 1: a zero faster than 1/2 is enough."""
     for zero, possible in ((0.4, False), (0.6, True), (3.0, True), (-1.0, False)):
-        K = gains_for_theorem2(np.array([1.0, zero]), NOTHING, 0.0)
+        K = designed_gains(np.array([1.0, zero]), NOTHING, 0.0, 2)
         assert (K is not None) == possible
         assert K is None or max(rate(P, K) for P in matched_Ps(K, (1.0, zero))) > 1
 
@@ -81,9 +81,14 @@ def shown(run, name):
 
 
 def test_the_proposed_gains_meet_theorem_2_and_V_falls():
-    """The paper's K misses (7) even with ρ = 0; the K that the check proposes meets it, and eᵀPe + θ̃²/λ falls."""
-    check = shown(example([3, 2]), "Theorem 2")
-    assert check.verdict == "fails" and check.value < check.threshold and "K = 5, 4 meets it" in str(check.text)
+    """The paper's K meets (7) with ρ = 0, (1.2, 1) misses it; the K proposed then meets it, and eᵀPe + θ̃²/λ falls."""
+    paper = shown(example([3, 2]), "Theorem 2")
+    assert paper.verdict == "cannot tell" and paper.value > paper.threshold and paper.gains is None
+    check = shown(example([1.2, 1]), "Theorem 2")
+    assert check.verdict == "fails" and check.value < check.threshold and "meets it" in str(check.text)
+    assert check.gains is not None
+    proposed = shown(example(check.gains["K"]), "Theorem 2")
+    assert proposed.verdict == "cannot tell" and proposed.value > proposed.threshold and proposed.gains is None
     run = example([5, 4])
     check = shown(run, "Theorem 2")
     assert check.verdict == "cannot tell" and check.value > check.threshold and "met" in str(check.text)
@@ -119,4 +124,4 @@ def test_constants_over_the_domain_of_a_plant_with_moving_faults():
     args = shown(run, "γ quadratically").text.args
     assert 1.9 < args["beta1"] <= 2.0 and "domain" in str(shown(run, "γ quadratically").text)
     assert args["beta2"] + args["beta1"] * args["beta3"] == pytest.approx(args["beta1"] ** 2, rel=0.02)
-    assert shown(run, "Theorem 2").text.args["m"] >= 1.9
+    assert shown(run, "Theorem 2").text.args["taken"] >= 0

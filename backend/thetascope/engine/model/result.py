@@ -60,6 +60,7 @@ class Check:
     value: float | None = None
     threshold: float | None = None
     source: str = ""
+    gains: dict[str, list[float]] | None = None  # that meet it, where others were designed
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ class BackgroundChecks:
     def __init__(self, room: "RoomParts") -> None:
         self._room = room
         self._checked, self._checking = room.services.clock(), False
+        self._again = False  # rows came to rest while a check was made of earlier ones
         self._failed = False  # the test for faults: rows do not wait for it any more
         room.session.leave_detection()
 
@@ -83,6 +84,7 @@ class BackgroundChecks:
     def check(self, spacing: float) -> None:
         """Check the assumptions if a viewer is there and the last check is `spacing` seconds ago or more."""
         room, now = self._room, self._room.services.clock()
+        self._again |= self._checking and spacing == 0.0
         if not room.broadcast.viewers or self._checking or room.shown < 2 or now - self._checked < spacing:
             return
         if room.services.may_check() or not room.machine.moving:
@@ -97,6 +99,7 @@ class BackgroundChecks:
 
     def _send_checks(self, results: list[Assumptions | DiagnosisNow] | None, error: Exception | None) -> None:
         self._checked, self._checking = self._room.services.clock(), False
+        again, self._again = self._again, False
         if error is not None:
             log.error("session %s: checking the assumptions failed", self._room.id, exc_info=error)
         for result in results or []:
@@ -104,3 +107,5 @@ class BackgroundChecks:
             self._room.broadcast.send(result, key)
             if isinstance(result, DiagnosisNow):
                 self._room.facts.learn(result.diagnosis)
+        if again:
+            self.check(0.0)

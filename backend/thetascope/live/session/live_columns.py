@@ -201,6 +201,7 @@ class LiveColumns:
                     value=_plain(c.value),
                     threshold=_plain(c.threshold),
                     source=c.source,
+                    gains=None if c.gains is None else {name: tuple(values) for name, values in c.gains.items()},
                 )
                 for c in report.checks
             )

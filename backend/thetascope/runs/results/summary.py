@@ -70,6 +70,7 @@ def _check(check: Check) -> AssumptionCheck:
         value=value,
         threshold=threshold,
         source=check.source,
+        gains=jsonable(check.gains),
     )
 
 

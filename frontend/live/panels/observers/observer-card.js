@@ -1,13 +1,13 @@
 // One observer: its colour and name, the lights of its assumptions, its gains, a cross to remove it.
 
-import {fill, h, number, symbol} from '../../../common/dom.js';
+import {fill, h, symbol} from '../../../common/dom.js';
 import {chip, refusal, seconds, slider, throttled} from '../../../widgets/controls.js';
 import {gainScale} from '../../../widgets/slider-scale.js';
 import {entriesOf, placeName, withEntry} from '../../state/gain-entries.js';
 import {icon} from '../../../widgets/svg.js';
 import {kindName} from '../../../widgets/kind-name.js';
-import {VERDICTS, verdictWords} from '../../../widgets/verdicts.js';
-import {asSentence, named, say, t} from '../../../i18n/words.js';
+import {beside, showLights} from './check-lights.js';
+import {asSentence, named, t} from '../../../i18n/words.js';
 
 /** @import {App, Check, Command, Event, Gain, ObserverState} from '../../types.js' */
 /** @import * as service from '../../../types/service.js' */
@@ -143,6 +143,11 @@ export function createCard(app, observer, kind) {
       show(true);
     }
   };
+  /** @param {NonNullable<Check['gains']>} proposed */
+  const take = async (proposed) => {
+    for (const [gain, value] of Object.entries(proposed))
+      await ask({type: 'set-gain', observer: observer.label, gain, value: [...value]});
+  };
   /** @returns {Gains} */
   const values = () => ({...known, ...present.gains});
   /** @param {boolean} [force] */
@@ -196,7 +201,7 @@ export function createCard(app, observer, kind) {
       show();
     },
     checks() {
-      showLights(lights, checks, app.state.checks[observer.label] ?? [], listed);
+      showLights(lights, checks, app.state.checks[observer.label] ?? [], listed ? take : null);
       for (const control of controls.values()) control.disable(app.state.role === 'view');
       cross.hidden = app.state.role === 'view';
     },
@@ -293,79 +298,4 @@ function gainSymbol(gain, place, name) {
   const base = gain.symbol ? h('i', {}, gain.symbol) : symbol(gain.name);
   const count = place.map((index) => index + 1).join(',');
   return h('span', {class: 'math', title: name}, base, place.length ? h('sub', {}, count) : null);
-}
-
-/**
- * Put a list that opens over the page below its button, as wide as the card and within the window.
- * @param {HTMLElement} button
- * @param {HTMLElement} list
- * @param {HTMLElement} card
- */
-function beside(button, list, card) {
-  const {left, width} = card.getBoundingClientRect();
-  const {top, bottom} = button.getBoundingClientRect();
-  const below = innerHeight - bottom - 16;
-  Object.assign(list.style, {
-    left: `${left}px`,
-    width: `${width}px`,
-    ...(below > 0.4 * innerHeight
-      ? {top: `${bottom + 4}px`, bottom: 'auto', maxHeight: `${below}px`}
-      : {top: 'auto', bottom: `${innerHeight - top + 4}px`, maxHeight: `${top - 16}px`}),
-  });
-}
-
-/** @type {{[verdict: string]: string}} */
-const MARK = {holds: 'ok', fails: 'bad'};
-
-/** @type {WeakMap<HTMLElement, Check[] | null>} the checks that a list shows */
-const shown = new WeakMap();
-
-/**
- * Lights, one a check, and the list that they open to.
- * @param {HTMLElement} lights
- * @param {HTMLElement} list
- * @param {Check[]} found
- * @param {boolean} listed
- */
-function showLights(lights, list, found, listed) {
-  /** @param {string} verdict */
-  const count = (verdict) => found.filter((check) => check.verdict === verdict).length;
-  const verdicts = VERDICTS.filter(count).map((verdict) => `${count(verdict)} ${verdictWords(verdict)}`);
-  const spoken = t('page.observers.assumption-lights', {verdicts});
-  fill(
-    lights,
-    found.map((check) => h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`})),
-  );
-  lights.hidden = found.length === 0;
-  lights.title = spoken;
-  lights.setAttribute('aria-label', spoken);
-  const wanted = listed ? found : null;
-  if (shown.get(list) === wanted) return;
-  shown.set(list, wanted);
-  if (!listed) {
-    fill(list);
-    return;
-  }
-  fill(
-    list,
-    found.map((check) =>
-      h(
-        'li',
-        {},
-        h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`}),
-        h('b', {}, say(check.name)),
-        ` ${verdictWords(check.verdict)}`,
-        check.value === null || check.value === undefined
-          ? null
-          : h(
-              'span',
-              {class: 'num'},
-              ` ${number(check.value, 3)}`,
-              check.threshold === null || check.threshold === undefined ? '' : ` / ${number(check.threshold, 3)}`,
-            ),
-        h('span', {class: 'soft'}, say(check.text)),
-        check.source && h('span', {class: 'soft source'}, check.source),
-      ),
-    ),
-  );
 }

@@ -4,15 +4,15 @@ Along the run, and at random points of the plant's physical domain where it decl
 paper's coordinates. γ(x) − γ(x̂) = G e with a mean G of the segment, so that
 
     (3)  β1 = max λmax(sym G),    ‖Ge‖² ≤ β2 ‖e‖² + β3 eᵀGe  for  β2 = max λmax(GᵀG − β3 sym G),
-    (4)  M = m P with m the largest m of det(sym(PG) − mP) = 0.
+    (4)  M ≥ 0 with M ≥ sym(PG) for each G; M = m P with m the largest m of det(sym(PG) − mP) = 0 is one.
 
 A maximum over points is a lower bound of the constant; only where γ is affine in the state is it the constant.
 
 In the proof, the term −2ρ eᵀPF is bounded by 2c2 eᵀPe, where 2ρ c2 is enough: the factor ρ is lost, and (6) and (7)
 hold for no K. With c the largest number for which (A − KC)ᵀP + P(A − KC) ≤ −cP, n c ≤ 2 k1 by the trace of A − KC,
 while 2 c2 = 2 max|k| √(n λmax(P)/λmin(P)) ≥ 2 k1 √n. Here ρ is kept. Then 2ρ c2 ≥ ρ n√n c, so that ρ < 1/(n√n) is
-necessary; c is below twice the rate of the slowest zero of d (`fastest_rate`), and m is at least the largest real part
-of an eigenvalue of G. These three tell where no K can meet an inequality.
+necessary; c is below twice the rate of the slowest zero of d (`fastest_rate`), and with γ = Gx below that of the
+slowest zero of C(sI − A − G)⁻¹d. These tell where no K can meet an inequality; where one can, `gains_by_lmi` seeks it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from thetascope.engine.model.result import CANNOT_TELL, FAILS, Check
-from thetascope.engine.observers.forms.matching_condition import closed, fastest_rate, matched_Ps, shift
+from thetascope.engine.observers.forms.gains_by_lmi import Demand, Design, design, excess, proof, rate, usable
+from thetascope.engine.observers.forms.matching_condition import fastest_rate, matched_Ps, shift
 from thetascope.engine.observers.support.common_checks import NO_ESTIMATE, verdict
 from thetascope.engine.observers.support.declaration import Observed
 from thetascope.engine.observers.support.kalman_defaults import state_scales, typical_sizes
@@ -31,7 +32,6 @@ from thetascope.messages import Message
 
 SOURCE = "Shen & Hu 2015"
 _POINTS = 200  # rows, and points of the domain
-_FURTHER = np.array([2.0, 4.0, 8.0, 16.0, 32.0, 64.0])  # poles −a, times the slowest zero of d
 _DIFFERENCE = 1e-5  # of a state's scale: half the distance of a central difference
 
 
@@ -124,7 +124,7 @@ def _slope_of_faults(run: Observed, rows: np.ndarray, T: np.ndarray) -> float:
 def checks(run: Observed, T: np.ndarray, k: np.ndarray, d: np.ndarray | None, rho: float) -> list[Check]:
     """Check the inner bound of γ, (6) of Theorem 1, and (7) and (10) of Theorem 2, for gains k and the direction d."""
     found = constants(run, T)
-    return [_inner_check(run, found), _theorem1(run, found, k, d, rho), _theorem2(run, found, T, k, d, rho)]
+    return [_inner_check(run, found), _theorem1(run, found, T, k, d, rho), _theorem2(run, found, T, k, d, rho)]
 
 
 def _inner_check(run: Observed, found: Constants | None) -> Check:
@@ -143,9 +143,9 @@ def _inner_check(run: Observed, found: Constants | None) -> Check:
 class _Trial:
     """One P with its rate c, what an inequality asks c to exceed, and the parts of that."""
 
-    P: np.ndarray
+    one: Design
     rate: float
-    parts: tuple[float, ...]
+    parts: tuple[float, float, float]  # of the faults, of the injection, of γ
 
     @property
     def needed(self) -> float:
@@ -156,125 +156,157 @@ class _Trial:
         return self.rate - self.needed
 
 
-def _rate(P: np.ndarray, k: np.ndarray) -> float:
-    """Return the largest c with (A − KC)ᵀP + P(A − KC) ≤ −cP."""
-    matrix = P @ closed(k)
-    half = np.linalg.inv(np.linalg.cholesky(P))
-    return -float(np.linalg.eigvalsh(half @ (matrix + matrix.T) @ half.T)[-1])
+def _demand(found: Constants, rho: float, theorem: int) -> Demand:
+    """Return what (6), or (7), asks for, with 2ρ c2 in the place of 2 c2."""
+    of_gamma, none = found.beta1 * found.beta3 + found.beta2 + 1, found.G[:0]
+    faults = 2 * found.l1 * found.l2
+    return Demand(1.0, faults, of_gamma, none, rho) if theorem == 1 else Demand(1.0, faults, 0.0, found.G, rho)
 
 
-def _shared_parts(P: np.ndarray, k: np.ndarray, found: Constants, rho: float) -> tuple[float, float, float]:
-    """Return 2 c1 l1 l2, 2ρ c2 and λmax(P)/λmin(P)."""
+def _trial(one: Design, demand: Demand) -> _Trial:
+    """Return the trial of K, P and M; what 2M takes from c stands for 2M."""
+    K, P = one.K, one.P
     spectrum = np.linalg.eigvalsh(P)
     condition = float(spectrum[-1] / spectrum[0])
-    c2 = float(np.abs(k).max()) * np.sqrt(len(k) * condition)
-    return 2 * np.sqrt(condition) * found.l1 * found.l2, 2 * rho * c2, condition
+    injection = demand.rate(condition, float(np.abs(K).max()), len(K)) - demand.rate(condition, 0.0, len(K))
+    plain = rate(K, P)
+    of_gamma = demand.shared * condition + (plain - rate(K, P, one.M) if len(demand.G) else 0.0)
+    return _Trial(one, plain, (demand.faults * float(np.sqrt(condition)), injection, of_gamma))
 
 
-def _theorem1(run: Observed, found: Constants | None, k: np.ndarray, d: np.ndarray | None, rho: float) -> Check:
+def _best(k: np.ndarray, d: np.ndarray, demand: Demand) -> _Trial:
+    """Return the P and M with the largest excess: those of the Riccati equations with M = mP, or of the LMI."""
+    known = [Design(k, P, quasi_one_sided(P, demand.G) * P) for P in _usable(k, d)]
+    best = max((_trial(one, demand) for one in known), key=lambda trial: trial.excess)
+    if best.excess > 0:
+        return best
+    further = (_trial(one, demand) for one in proof(k, d, demand))
+    return max((best, *further), key=lambda trial: trial.excess)
+
+
+def designed_gains(d: np.ndarray, found: Constants, rho: float, theorem: int) -> np.ndarray | None:
+    """Return a K (n,) in the paper's coordinates that meets (6) or (7) with these constants; None if none was found."""
+    demand = _demand(found, rho, theorem)
+    one = design(d, demand)
+    if one is None:
+        return None
+    K = np.array([float(f"{k:.4g}") for k in one.K])  # as it is shown; the design's margin covers the digits left out
+    return K if excess(Design(K, one.P, one.M), demand) > 0 else one.K
+
+
+def _theorem1(
+    run: Observed, found: Constants | None, T: np.ndarray, k: np.ndarray, d: np.ndarray | None, rho: float
+) -> Check:
     """(6) with 2ρ c2 in the place of 2 c2."""
     name, source = Message("check.shen-theorem1"), f"{SOURCE}, Theorem 1, eq. (6) with the factor ρ"
-    refused = _refused(name, source, found, k, d)
+    refused = _refused(name, source, found, T, k, d, rho, 1)
     if refused is not None or found is None or d is None:
         return refused or Check(name, CANNOT_TELL, NO_ESTIMATE, source=source)
-    trials = []
-    for P in _usable(k, d):
-        of_faults, of_F, condition = _shared_parts(P, k, found, rho)
-        of_gamma = condition * (found.beta1 * found.beta3 + found.beta2 + 1)
-        trials.append(_Trial(P, _rate(P, k), (of_faults, of_F, of_gamma)))
-    best = max(trials, key=lambda trial: trial.excess)
+    demand = _demand(found, rho, 1)
+    best = _best(k, d, demand)
+    change, gains = _change(best, demand.fixed + demand.faults + demand.shared, found, T, d, rho, 1)
     args = {"faults": best.parts[0], "injection": best.parts[1], "gamma": best.parts[2]}
-    floor = 2 + found.beta1 * found.beta3 + found.beta2 + 2 * found.l1 * found.l2
-    text = Message("check.shen-theorem1.numbers", **_shown(best, _change(best, floor, d, rho, None)), **args)
-    return Check(name, _met(run, found, best), text, best.rate, best.needed, source)
+    text = Message("check.shen-theorem1.numbers", **_shown(best, change), **args)
+    return Check(name, _met(run, found, best), text, best.rate, best.needed, source, gains)
 
 
 def _theorem2(
     run: Observed, found: Constants | None, T: np.ndarray, k: np.ndarray, d: np.ndarray | None, rho: float
 ) -> Check:
-    """(4) with M = m P, (7) with 2ρ c2, and (10), which has (1 + ρ)K."""
+    """(4) with the M that takes least of the rate, (7) with 2ρ c2, and (10), which has (1 + ρ)K."""
     name, source = Message("check.shen-theorem2"), f"{SOURCE}, Theorem 2, eqs. (4), (7) with the factor ρ, and (10)"
-    refused = _refused(name, source, found, k, d)
+    refused = _refused(name, source, found, T, k, d, rho, 2)
     if refused is not None or found is None or d is None:
         return refused or Check(name, CANNOT_TELL, NO_ESTIMATE, source=source)
-    best = _best_of_7(k, d, found, rho)
-    assert best is not None
-    ten = _rate(best.P, (1 + rho) * k) - best.needed
-    args = {"faults": best.parts[0], "injection": best.parts[1], "m": best.parts[2] / 2, "ten": ten}
-    abscissa = float(np.linalg.eigvals(found.G).real.max())
-    floor = 1 + 2 * found.l1 * found.l2 + 2 * max(abscissa, 0.0)
-    other = gains_for_theorem2(d, found, rho) if best.excess <= 0 else None
-    change = _change(best, floor, d, rho, None if other is None else other / T)
+    demand = _demand(found, rho, 2)
+    best = _best(k, d, demand)
+    ten = rate((1 + rho) * k, best.one.P, best.one.M) + best.parts[2] - best.needed
+    change, gains = _change(best, demand.fixed + demand.faults, found, T, d, rho, 2)
+    args = {"faults": best.parts[0], "injection": best.parts[1], "taken": best.parts[2], "ten": ten}
     text = Message("check.shen-theorem2.numbers", **_shown(best, change), **args)
-    return Check(name, _met(run, found, best), text, best.rate, best.needed, source)
-
-
-def _best_of_7(k: np.ndarray, d: np.ndarray, found: Constants, rho: float) -> _Trial | None:
-    """Return the P with the largest excess of c over what (7) asks for; None without a P."""
-    trials = []
-    for P in _usable(k, d):
-        of_faults, of_F, _ = _shared_parts(P, k, found, rho)
-        trials.append(_Trial(P, _rate(P, k), (of_faults, of_F, 2 * quasi_one_sided(P, found.G))))
-    return max(trials, key=lambda trial: trial.excess, default=None)
-
-
-def gains_for_theorem2(d: np.ndarray, found: Constants, rho: float) -> np.ndarray | None:
-    """Return a K (n,) in the paper's coordinates that meets (7) with these constants, or None if none was found.
-
-    The poles of A − KC are the zeros of d, for which every rate below `fastest_rate` has a P, and one more, −a.
-    """
-    zeros = np.roots(d)
-    if (zeros.real >= 0).any():
-        return None
-    slowest = -zeros.real.max() if len(zeros) else 1.0
-    for a in slowest * _FURTHER:
-        k = np.polymul([1.0, a], d)[1:]
-        best = _best_of_7(k, d, found, rho)
-        if best is not None and best.excess > 0:
-            return k
-    return None
+    return Check(name, _met(run, found, best), text, best.rate, best.needed, source, gains)
 
 
 def quasi_one_sided(P: np.ndarray, G: np.ndarray) -> float:
     """Return the least m ≥ 0 with eᵀPGe ≤ m eᵀPe for all G (points, n×n): M = m P of (4)."""
     half = np.linalg.inv(np.linalg.cholesky(P))
     of_P = half @ (P @ G + (P @ G).transpose(0, 2, 1)) @ half.T / 2
-    return max(float(np.linalg.eigvalsh(of_P)[:, -1].max()), 0.0)
+    return float(np.linalg.eigvalsh(of_P)[:, -1].max(initial=0.0))
 
 
-def _refused(name: Message, source: str, found: Constants | None, k: np.ndarray, d: np.ndarray | None) -> Check | None:
-    """Return the check's result where there is no P or no estimate."""
+def _refused(
+    name: Message,
+    source: str,
+    found: Constants | None,
+    T: np.ndarray,
+    k: np.ndarray,
+    d: np.ndarray | None,
+    rho: float,
+    theorem: int,
+) -> Check | None:
+    """Return the check's result where there is no P or no estimate, with gains that meet it where there are some."""
     if found is None:
         return Check(name, CANNOT_TELL, NO_ESTIMATE, source=source)
-    if d is None or not matched_Ps(k, d):
+    if d is None:
         return Check(name, FAILS, Message("check.lyapunov.no-matching"), source=source)
+    if not matched_Ps(k, d):
+        text, gains = _proposed(found, T, d, rho, theorem) or (Message("check.lyapunov.no-matching"), None)
+        return Check(name, FAILS, text, source=source, gains=gains)
     if not _usable(k, d):
         return Check(name, CANNOT_TELL, Message("check.shen-theorem.rounding"), source=source)
     return None
 
 
+def _proposed(
+    found: Constants, T: np.ndarray, d: np.ndarray, rho: float, theorem: int, short: float | None = None
+) -> tuple[Message, dict[str, list[float]]] | None:
+    """Return gains that meet (6) or (7), in the plant's coordinates, and the sentence on them; None without any."""
+    K = designed_gains(d, found, rho, theorem)
+    if K is None:
+        return None
+    own = [float(k) for k in K / T]
+    shown = [f"{k:.5g}" for k in own]
+    if short is None:
+        return Message("check.shen-theorem.no-p", K=shown), {"K": own}
+    return Message("check.shen-theorem.this-k", short=short, K=shown), {"K": own}
+
+
 def _usable(k: np.ndarray, d: np.ndarray) -> list[np.ndarray]:
     """Return the P whose eigenvalues are not lost in rounding."""
-    spectra = ((P, np.linalg.eigvalsh(P)) for P in matched_Ps(k, d))
-    return [P for P, spectrum in spectra if spectrum[0] > 1e-12 * spectrum[-1]]
+    return [P for P in matched_Ps(k, d) if usable(P)]
 
 
 def _shown(best: _Trial, change: Message) -> dict:
     return {"rate": best.rate, "needed": best.needed, "change": change}
 
 
-def _change(best: _Trial, floor: float, d: np.ndarray, rho: float, other: np.ndarray | None) -> Message:
-    """Return what to change where the best P is not enough: c (1 − ρ n√n) > floor is necessary for every K and P."""
-    ceiling, share = fastest_rate(d), 1 - rho * len(d) ** 1.5
+def _change(
+    best: _Trial, floor: float, found: Constants, T: np.ndarray, d: np.ndarray, rho: float, theorem: int
+) -> tuple[Message, dict[str, list[float]] | None]:
+    """Return what to change where the best P is not enough, and gains that are.
+
+    c (1 − ρ n√n) > floor is necessary for every K and P.
+    """
+    ceiling, share = _ceiling(found, d, theorem), 1 - rho * len(d) ** 1.5
     if best.excess > 0:
-        return Message("check.shen-theorem.met")
+        return Message("check.shen-theorem.met"), None
     if share <= 0:
-        return Message("check.shen-theorem.rho", rho=rho, most=len(d) ** -1.5)
+        return Message("check.shen-theorem.rho", rho=rho, most=len(d) ** -1.5), None
     if share * ceiling <= floor:
-        return Message("check.shen-theorem.no-k", floor=floor / share, ceiling=ceiling)
-    if other is not None:
-        return Message("check.shen-theorem.this-k", K=[f"{k:.5g}" for k in other], short=-best.excess)
-    return Message("check.shen-theorem.another-k", short=-best.excess)
+        return Message("check.shen-theorem.no-k", floor=floor / share, ceiling=ceiling), None
+    other = _proposed(found, T, d, rho, theorem, -best.excess)
+    return other or (Message("check.shen-theorem.another-k", short=-best.excess), None)
+
+
+def _ceiling(found: Constants, d: np.ndarray, theorem: int) -> float:
+    """Return the rate that no K and P reach: that of the zeros of d, and for (7) those of A + G, for each G."""
+    if theorem == 1 or len(d) == 1:
+        return fastest_rate(d)
+    N = np.eye(len(d))
+    N[1:, 0] = -d[1:]
+    inverse = 2 * np.eye(len(d)) - N
+    zeros = np.linalg.eigvals((N @ (shift(len(d)) + found.G) @ inverse)[:, 1:, 1:])
+    return min(fastest_rate(d), max(-2 * float(zeros.real.max()), 0.0))
 
 
 def _met(run: Observed, found: Constants, best: _Trial):

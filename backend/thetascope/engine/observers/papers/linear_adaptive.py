@@ -254,7 +254,10 @@ def lyapunov_check(run: Observed, P: np.ndarray | None, k: np.ndarray) -> Check:
         zeros = np.roots(vector(run)) if run.context.n > 1 else np.array([])
         listed = [f"{z:.4g}" for z in zeros] or ["–"]
         code = "check.lyapunov.no-k" if (np.real(zeros) >= 0).any() else "check.lyapunov.another-k"
-        return Check(name, FAILS, Message(code, zeros=listed), source=source)
+        gains = None
+        if code == "check.lyapunov.another-k":
+            gains = {"K": [float(g) for g in matched_gains(k, vector(run)) / coordinates(run)]}
+        return Check(name, FAILS, Message(code, zeros=listed), source=source, gains=gains)
     value, least = lyapunov_margin(P, k), np.linalg.eigvalsh(P)[0]
     text = Message("check.lyapunov.margin", value=value, least=least)
     return Check(name, HOLDS, text, value, 0.0, source)
