@@ -39,7 +39,7 @@ def figures() -> Iterator[Figure]:
     """Yield the ratios."""
     yield from _lanes()
     if (os.cpu_count() or 1) > 1:
-        yield from _scaling("zhao-2012, errors only", LANES | {"seeds": 1024})
+        yield from _scaling("zhao-2012, errors only", LANES | {"seeds": 4096})
         yield from _scaling("friction-motor, with the detector", DETECTOR)
     yield _memory()
 
@@ -77,7 +77,8 @@ if __name__ == "__main__":
     engine, seen = LocalEngine(int(sys.argv[2])), []
     conduct(kept, engine, lambda now: seen.append((time.monotonic(), now.done)))
     engine.close()
-    seen = seen[1 + 2 * int(sys.argv[2]):]
+    seen = seen[1 + 2 * int(sys.argv[2]) :]  # while every worker was at work
+    assert len(seen) > 8, "a longer study is needed"
     print((seen[-1][1] - seen[0][1]) / (seen[-1][0] - seen[0][0]))
 """
     with tempfile.TemporaryDirectory() as folder:

@@ -5,12 +5,13 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import groupby
 
 import polars as pl
 
 from thetascope.assembly import prepare
 from thetascope.assembly.build.diagnosis_settings import inspector
-from thetascope.assembly.build.prepare import Prepared
+from thetascope.assembly.build.prepare import Prepared, prepare_seed
 from thetascope.engine.compiler.system import DISCRETE
 from thetascope.engine.errors import SpecError
 from thetascope.engine.execution.plain_columns import plain_batch, plain_run
@@ -115,19 +116,17 @@ def rows(study: Study, runs: Sequence[int]) -> list[dict[str, Cell]]:
     answers: dict[int, dict[str, Cell]] = {}
     ready: list[_Run] = []
     detector = "detection" in study.measures
-    points: dict[int, ResolvedExperiment] = {}
-    for number in runs:
-        place = place_of(study, number)
-        known = _known(study, place)
+    for _, same in groupby(runs, lambda number: place_of(study, number).point):
+        places = [place_of(study, number) for number in same]
         try:
-            if place.point not in points:
-                points[place.point] = _of_point(study, place, detector)
-            one = _prepared(points[place.point], place)
+            prepared = _of_point(study, places, detector)
         except InvalidSpec as refused:
-            answers[number] = known | {"error": refused.text()}
+            answers |= {place.run: _known(study, place) | {"error": refused.text()} for place in places}
             continue
-        answers[number] = known | {"id": one.spec.spec_hash(), "seed": one.spec.seed, "substeps": one.spec.substeps}
-        ready.append(one)
+        ready.extend(prepared)
+        for one, id in zip(prepared, _ids(prepared), strict=True):
+            fixed: dict[str, Cell] = {"id": id, "seed": one.spec.seed, "substeps": one.spec.substeps}
+            answers[one.place.run] = _known(study, one.place) | fixed
     for one, result in _results(ready, detector):
         if isinstance(result, SpecError):
             answers[one.place.run] |= {"error": from_engine(result).text()}
@@ -144,12 +143,35 @@ def _known(study: Study, place: Place) -> dict[str, Cell]:
     return fixed | {value.column: value.shown for value in values_at(study, place.point)}
 
 
-def _of_point(study: Study, place: Place, detector: bool) -> ResolvedExperiment:
+def _of_point(study: Study, places: Sequence[Place], detector: bool) -> list[_Run]:
+    """Return runs of one point. Raises InvalidSpec. With and without faults, runs differ by their seeds only."""
+    spec = _spec_of_point(study, places[0].point, detector)
+    first: dict[bool, _Run] = {}
+    found = []
+    for place in places:
+        one = _prepared(spec, place, first.get(place.faulty))
+        first.setdefault(place.faulty, one)
+        found.append(one)
+    return found
+
+
+def _ids(runs: Sequence[_Run]) -> list[str]:
+    """Return the ids of runs of one point."""
+    ids: dict[int, str] = {}
+    for faulty in (True, False):
+        some = [one for one in runs if one.place.faulty == faulty]
+        if some:
+            hashes = some[0].spec.spec_hashes([one.spec.seed for one in some])
+            ids |= {one.place.run: id for one, id in zip(some, hashes, strict=True)}
+    return [ids[one.place.run] for one in runs]
+
+
+def _spec_of_point(study: Study, point: int, detector: bool) -> ResolvedExperiment:
     """Return the experiment of a point; if its runs can share lanes, with the substeps that its first run needs."""
-    spec = experiment_of_point(study, place.point)
+    spec = experiment_of_point(study, point)
     if detector or study.seeds < LANES_FROM:
         return spec
-    first = place_of(study, place.point * study.seeds * len(study.modes))
+    first = place_of(study, point * study.seeds * len(study.modes))
     one = _prepared(spec, first)
     e = one.engine
     if e.substeps is not None or e.plant.time == DISCRETE or len(one.prepared.stages) > 1 or not in_lanes(e):
@@ -160,10 +182,11 @@ def _of_point(study: Study, place: Place, detector: bool) -> ResolvedExperiment:
     return spec.model_copy(update={"substeps": accuracy.substeps})
 
 
-def _prepared(spec: ResolvedExperiment, place: Place) -> _Run:
+def _prepared(spec: ResolvedExperiment, place: Place, like: _Run | None = None) -> _Run:
+    """Return a run; `like` is one of the same point with or without faults, as this one is."""
     spec = at_place(spec, place)
     try:
-        return _Run(place, spec, prepare(spec))
+        return _Run(place, spec, prepare(spec) if like is None else prepare_seed(like.prepared, spec))
     except SpecError as error:
         raise from_engine(error) from None
 

@@ -1,5 +1,7 @@
 """The base of all schemas: the strict base class, the number and name types, and messages as they are sent."""
 
+import hashlib
+import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
@@ -113,6 +115,16 @@ def canonical(value: object) -> object:
     if isinstance(value, float) and value.is_integer() and abs(value) < 2**53:
         return int(value)
     return value
+
+
+def encoded(document: object) -> bytes:
+    """Return unique JSON data as bytes: UTF-8, sorted keys."""
+    return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
+
+
+def digest(content: bytes) -> str:
+    """Return the first 32 hexadecimal digits of the SHA-256, which is an id in this program."""
+    return hashlib.sha256(content).hexdigest()[:32]
 
 
 def _as_text(value: object) -> object:

@@ -1,9 +1,7 @@
 """An experiment: a plant, its inputs and faults, the measurement, and the observers that run."""
 
-import hashlib
-import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Annotated
 
 from pydantic import BeforeValidator, Discriminator, Field, PrivateAttr, Tag, model_validator
@@ -23,6 +21,8 @@ from thetascope_schemas.experiment.base import (
     Title,
     canonical,
     check_known,
+    digest,
+    encoded,
     example,
 )
 from thetascope_schemas.experiment.commands import AddObserver, OfTruth, SetTruth, TimedCommands
@@ -189,15 +189,25 @@ class Experiment(Strict):
     def canonical(self) -> bytes:
         """Return a unique representation of everything that determines the numbers of a run: JSON, UTF-8, sorted keys.
 
-        Defaults are filled in; with an inline plant, these include its parameters, initial states, inputs and signals.
-        1 and 1.0, 0.0 and -0.0, and different runs of blanks in text are the same. Omitted, because no number depends
-        on them, are id, title, description, source, errata, figures and notes of the experiment, and id, titles,
-        descriptions, sources and units of an inline plant. The id of a library plant is kept: call `with_plant` before
-        hashing, so that the hash depends on the plant's equations and not on its name.
+        Defaults are filled in, those of an inline plant too. 1 and 1.0, 0.0 and -0.0, and different runs of blanks in
+        text are the same. Omitted, because no number depends on them, are id, title, description, source, errata,
+        figures and notes, and an inline plant's id, prose and units. The id of a library plant is kept: `with_plant`
+        before hashing makes its equations count instead.
         """
-        filled: dict[str, object] = {
-            name: getattr(self, name) for name in type(self).model_fields if name not in self.prose
-        }
+        return encoded({"schema": SCHEMA_VERSION, "experiment": self._content()})
+
+    def spec_hash(self) -> str:
+        """Return the first 32 hexadecimal digits of the SHA-256 of `canonical()`, the id of the run."""
+        return digest(self.canonical())
+
+    def spec_hashes(self, seeds: Sequence[int]) -> list[str]:
+        """Return `spec_hash()` of this experiment with each of these seeds."""
+        whole = {"schema": SCHEMA_VERSION, "experiment": (content := self._content())}
+        return [digest(encoded(whole | {"experiment": content | {"seed": seed}})) for seed in seeds]
+
+    def _content(self) -> dict[str, object]:
+        """Return what `canonical` encodes, without the schema's version."""
+        filled: dict[str, object] = {n: getattr(self, n) for n in type(self).model_fields if n not in self.prose}
         filled |= {"record": self.record_interval, "evaluate": self.evaluate_interval}
         if self.truth == Truth():  # as before the field existed
             del filled["truth"]
@@ -209,12 +219,7 @@ class Experiment(Strict):
             commanded = (*plant.inputs, *plant.references)
             filled["inputs"] = {item.name: ConstantSignal(value=item.default) for item in commanded} | self.inputs
             filled["signals"] = {item.name: item.default for item in plant.signals} | self.signals
-        document = {"schema": SCHEMA_VERSION, "experiment": canonical(filled)}
-        return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
-
-    def spec_hash(self) -> str:
-        """Return the first 32 hexadecimal digits of the SHA-256 of `canonical()`, the id of the run."""
-        return hashlib.sha256(self.canonical()).hexdigest()[:32]
+        return {name: canonical(value) for name, value in filled.items()}
 
     @model_validator(mode="after")
     def _consistent(self) -> "Experiment":

@@ -8,6 +8,7 @@ from thetascope.assembly.build.observer_builder import estimator, plant_context
 from thetascope.assembly.build.signal_builder import initial_state, plant_parameters, signals_of
 from thetascope.assembly.build.truth_builder import with_truth
 from thetascope.engine.errors import SpecError
+from thetascope.engine.inputs.fault_signals import RANDOM
 from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.inputs.time_grid import multiple
 from thetascope.engine.observers.support.scales import HealthyRun
@@ -15,6 +16,8 @@ from thetascope.engine.programs.program_store import plant_program
 from thetascope.engine.simulation.experiment import Experiment as Engine
 from thetascope.messages import Message
 from thetascope_schemas import ResolvedExperiment
+from thetascope_schemas.experiment.faults import ChannelFault
+from thetascope_schemas.experiment.measurement import Truth
 
 
 def engine(spec: ResolvedExperiment, since: dict[str, int] | None = None, healthy: HealthyRun | None = None) -> Engine:
@@ -47,6 +50,18 @@ def engine(spec: ResolvedExperiment, since: dict[str, int] | None = None, health
         loop=loop_of(spec, data, step, measured),
     )
     return with_truth(model, spec)
+
+
+def reseeded(model: Engine, spec: ResolvedExperiment) -> Engine:
+    """Return the engine's experiment of a spec that differs by its seed only from the one that `model` was built for.
+
+    With a true plant of its own or with controllers, other parts depend on the seed, and all is built.
+    """
+    if spec.truth != Truth() or model.loop is not None:
+        return engine(spec)
+    random = {f"theta.{f.channel}" for f in spec.faults if isinstance(f, ChannelFault) and f.shape == RANDOM}
+    kept = {name: signal for name, signal in model.signals.items() if name not in random}
+    return replace(model, signals=signals_of(spec, kept), measurement=measurement(spec, model.step))
 
 
 def _times(spec: ResolvedExperiment) -> tuple[float, int, int, int]:

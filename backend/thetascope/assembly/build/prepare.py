@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import gcd
 
 from thetascope.assembly.build.diagnosis_settings import inspector
-from thetascope.assembly.build.experiment_builder import engine
+from thetascope.assembly.build.experiment_builder import engine, reseeded
 from thetascope.assembly.build.incremental import adapted
 from thetascope.assembly.build.timed_commands import changed
 from thetascope.engine.errors import SpecError
@@ -63,6 +63,13 @@ def prepare(spec: ResolvedExperiment) -> Prepared:
     Raises SpecError (or ExpressionError, which points into a text) that names the field, the value and the remedy.
     """
     return Prepared(spec, tuple(_stages(spec)))
+
+
+def prepare_seed(known: Prepared, spec: ResolvedExperiment) -> Prepared:
+    """Return the programs of an experiment that differs by its seed only from one whose programs are built."""
+    if len(known.stages) > 1:
+        return prepare(spec)
+    return Prepared(spec, (Stage(known.stages[0].k, reseeded(known.engine, spec)),))
 
 
 def _stages(spec: ResolvedExperiment) -> Iterator[Stage]:

@@ -12,7 +12,7 @@ from thetascope.engine.execution.divergence import end_of_plant
 from thetascope.engine.execution.result_columns import estimates, lived, plant_columns, plant_values
 from thetascope.engine.execution.run_experiment import spans_of
 from thetascope.engine.execution.stages import final_estimator, lives
-from thetascope.engine.inputs.time_grid import cut
+from thetascope.engine.inputs.time_grid import Grid, cut
 from thetascope.engine.model.result import Diverged, ObserverReport, Result
 from thetascope.engine.simulation.batch import run_batch
 from thetascope.engine.simulation.experiment import Experiment, Rows
@@ -31,20 +31,25 @@ def plain_batch(experiments: Sequence[Experiment], cancelled: Callable[[], bool]
     They must have a fixed number of substeps, and `in_lanes` must hold for them.
     """
     batch = run_batch(experiments, cancelled)
-    results = []
+    results, grids = [], {}
     for i, e in enumerate(experiments):
         plant = batch.plant[i]
-        rows = Rows(
-            batch.index, plant.copy(), _measured(e, batch.index, plant), tuple(states[i] for states in batch.observers)
-        )
+        y = _measured(e, batch.index, plant, grids)
+        rows = Rows(batch.index, plant.copy(), y, tuple(states[i] for states in batch.observers))
         results.append(_columns([(e, rows)]))
     return results
 
 
-def _measured(e: Experiment, index: np.ndarray, plant: np.ndarray) -> np.ndarray:
-    """Return the measured outputs (rows, m) of a run in lanes, in which nothing feeds the measurement back."""
+def _measured(e: Experiment, index: np.ndarray, plant: np.ndarray, grids: dict[bytes, Grid]) -> np.ndarray:
+    """Return the measured outputs (rows, m) of a run in lanes, in which nothing feeds the measurement back.
+
+    `grids` keeps the grids of runs of this shape by the times at which their steps are divided.
+    """
     simulation = Simulation(e, e.substeps or 1)
-    grid = cut(0, e.steps + 1, e.step, simulation.breaks(0, e.steps + 1), e.every, simulation.substeps)
+    breaks = simulation.breaks(0, e.steps + 1)
+    grid = grids.get(breaks.tobytes())
+    if grid is None:
+        grid = grids[breaks.tobytes()] = cut(0, e.steps + 1, e.step, breaks, e.every, simulation.substeps)
     return simulation.measured_rows(grid, 0, index, plant, None)
 
 

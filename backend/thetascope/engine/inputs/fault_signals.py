@@ -64,11 +64,15 @@ _SHAPES = {
 }
 
 
+RANDOM = "random-walk"
+"""The shape that depends on the seed."""
+
+
 def fault(data: Mapping, key: tuple[int, ...]) -> Signal:
     """Return θ(t) of one fault from its plain data; ``key`` is that of the random shapes' stream."""
     arguments = {k: v for k, v in data.items() if k not in ("channel", "shape", "onset", "end")}
     shape = data["shape"]
-    inner = random_walk(**arguments, key=key) if shape == "random-walk" else _SHAPES[shape](**arguments)
+    inner = random_walk(**arguments, key=key) if shape == RANDOM else _SHAPES[shape](**arguments)
     return signals.gated(inner, data["onset"], data.get("end"))
 
 

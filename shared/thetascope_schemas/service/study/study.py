@@ -1,6 +1,5 @@
 """The spec of a study. The same spec gives the same table, bit for bit, whoever computes it and in whatever order."""
 
-import hashlib
 import json
 import math
 from typing import Annotated, Any, Literal, Self
@@ -14,6 +13,8 @@ from thetascope_schemas.experiment.base import (
     Seed,
     Strict,
     Title,
+    digest,
+    encoded,
     example,
 )
 from thetascope_schemas.experiment.experiment import Experiment
@@ -157,12 +158,11 @@ class Study(Strict):
         data: dict[str, Any] = self.model_dump(mode="json", exclude={"title", "description", "experiment"})
         chosen = self.experiment
         base = chosen if isinstance(chosen, str) else json.loads(chosen.canonical())
-        document = {"study": data, "experiment": base}
-        return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
+        return encoded({"study": data, "experiment": base})
 
     def study_hash(self) -> str:
         """Return the first 32 hexadecimal digits of the SHA-256 of `canonical()`, the id of the study."""
-        return hashlib.sha256(self.canonical()).hexdigest()[:32]
+        return digest(self.canonical())
 
 
 def _values_of(factor: AnyFactor) -> int | None:
