@@ -341,6 +341,14 @@ export interface ChannelInput {
   description?: string | {[name: string]: string};
 }
 
+/** The faults of a channel by size. */
+export interface ChannelSizes {
+  channel: string;
+  points: (SizeAnswer)[];
+  /** The smallest size from which on the wanted share is found; null: there is none. */
+  smallest: number | null;
+}
+
 /** offset + amplitude·sin(2π(f0·τ + (f1−f0)·τ²/(2·duration))) with τ = t − start, for 0 ≤ τ < duration. */
 export interface ChirpSignal {
   kind: 'chirp';
@@ -1702,6 +1710,13 @@ export interface Found {
   channel: string | null;
   /** Time in s after the mark. */
   since: number;
+}
+
+/** What is found of faults of each size, and how soon. */
+export interface FoundBySize {
+  /** The wanted share of faults that are found, from 0 to 1. */
+  share: number;
+  channels: (ChannelSizes)[];
 }
 
 /** The time in s from `since` to the first alarm of the detector that names a channel; none without one. */
@@ -4751,6 +4766,18 @@ export interface SineSignalInput {
   offset?: number;
 }
 
+/** Faults of one size. */
+export interface SizeAnswer {
+  /** The size, in the channel's unit. */
+  size: number;
+  /** Runs in which the fault was found. */
+  found: RateAnswer;
+  /** Delay in s of the faults that were found. */
+  delay: SpreadAnswer;
+  /** Number of the first run there. */
+  run: number;
+}
+
 /** A curve that the student draws on a strip, from the beginning of the step to its end, before it runs. */
 export interface Sketch {
   /** A column of the session, say y.y1. */
@@ -5197,6 +5224,8 @@ export interface StudyState {
   problem: Problem | null;
   /** Columns of what varies. */
   factors: (string)[];
+  /** Those of `factors` that are the size of a fault. */
+  sizes: (string)[];
   /** Columns of numbers that were measured, as far as they are known. */
   measures: (string)[];
   /** Runs of the kept ones that were refused; the table says why. */

@@ -7,10 +7,12 @@ import pytest
 from thetascope.studies.plan import complete
 from thetascope.studies.summary import (
     against,
+    by_size,
     confusion,
     pareto,
     roc,
     sensitivity,
+    sizes_varied,
     smallest_found,
 )
 from thetascope.studies.tables import latex, point_table
@@ -90,6 +92,56 @@ def test_against_gives_medians_of_each_value_and_shares_with_intervals():
             np.quantile(mine.to_numpy(), [0.25, 0.5, 0.75])
         )
     assert smallest_found(rows, 0.5) == 0.01 and smallest_found(rows, 0.8) == 0.1 and smallest_found(rows, 0.99) is None
+
+
+def sized(values, seed=2) -> pl.DataFrame:
+    """Return a made-up table: a fault "a" whose chance to be found is its size, the sooner the larger it is."""
+    rng = np.random.default_rng(seed)
+    size = np.asarray(values, dtype=float)
+    found = rng.random(len(size)) < np.abs(size)
+    return pl.DataFrame(
+        {
+            "run": np.arange(len(size)),
+            "point": np.arange(len(size)),
+            "faulty": [True] * len(size),
+            "size": size,
+            "alarms.detector": found.astype(float),
+            "found.detector.a": found.astype(float),
+            "found.detector.b": pl.Series([None] * len(size), dtype=pl.Float64),
+            "delay.detector.a": [1 / abs(s) if f else None for s, f in zip(size, found, strict=True)],
+        }
+    )
+
+
+def test_what_is_found_by_size_agrees_with_a_loop():
+    """Counts and median delays of each size, the smallest found nine times of ten; none of healthy channels."""
+    table = sized(np.repeat([-0.2, -0.5, -0.97, -1.0], 60))
+    (channel,) = by_size(table, "size", "detector")
+    assert channel.channel == "a" and [one.size for one in channel.points] == [-1.0, -0.97, -0.5, -0.2]
+    for one in channel.points:
+        rows = table.filter(pl.col("size") == one.size)
+        assert (one.found.count, one.found.of) == (int(rows["found.detector.a"].sum()), 60)
+        assert one.delay.n == one.found.count and one.delay.median == pytest.approx(1 / abs(one.size))
+        assert rows["run"][0] == one.run
+    assert channel.smallest == -0.97
+    assert by_size(table, "size", "detector", 1.0)[0].smallest == -1.0
+    assert by_size(sized([0.1] * 50), "size", "detector")[0].smallest is None
+
+
+def test_numbers_of_a_sampled_design_are_taken_in_classes():
+    """500 different sizes give 20 classes of 25 runs at their medians, in order."""
+    table = sized(np.random.default_rng(1).permutation(np.linspace(0.01, 1, 500)))
+    (channel,) = by_size(table, "size", "detector")
+    assert [one.found.of for one in channel.points] == [25] * 20
+    sizes = [one.size for one in channel.points]
+    assert sizes == sorted(sizes) and sizes[0] == pytest.approx(np.median(np.linspace(0.01, 1, 500)[:25]))
+    assert 0.8 < channel.smallest < 1
+
+
+def test_factors_that_are_sizes_are_known():
+    """By their path, whatever they are called; names and other numbers are not sizes."""
+    size = {"kind": "range", "path": "faults.friction.size", "low": 0.1, "high": 1.0, "points": 3, "name": "loss"}
+    assert sizes_varied(study(size, RATES)) == ("loss",)
 
 
 def test_first_order_indices_of_the_ishigami_function():

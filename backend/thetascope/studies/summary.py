@@ -5,20 +5,23 @@ All functions are pure: a table of runs in, plain rows out. Rates carry exact 95
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from re import fullmatch
 
 import numpy as np
 import polars as pl
 from scipy.stats import spearmanr
 
 from thetascope.diagnosis.evaluation.rates import clopper_pearson
-from thetascope.studies.design import values_at
+from thetascope.studies.design import is_number, values_at
 from thetascope.studies.kept import is_measure
-from thetascope_schemas.service.study.factors import FaultsFactor
+from thetascope_schemas.service.study.factors import FaultsFactor, ListFactor, RangeFactor
 from thetascope_schemas.service.study.study import Study
 
 SHARES = ("found.", "size_held.", "onset_held.")
 """Beginnings of the columns that hold 0 or 1, of which a share is meant."""
 _MOST_CLASSES = 64
+MOST_VALUES, CLASSES = 40, 20
+"""Values of a number above which runs are taken in classes, and how many."""
 
 
 @dataclass(frozen=True)
@@ -101,8 +104,13 @@ def measures(table: pl.DataFrame, study: Study) -> list[str]:
 
 
 def against(table: pl.DataFrame, measure: str, factor: str, curve: str | None = None) -> list[Against]:
-    """Return a measure at each value of a factor, over all else that varies, in the order of values."""
+    """Return a measure at each value of a factor, over all else that varies, in the order of values.
+
+    A number that takes more values than `MOST_VALUES` is taken in classes of equally many runs; `value` is the median.
+    """
     used = runs_of(table, measure)
+    for one in (factor, curve):
+        used = used if one is None else in_classes(used, one)
     keys = [factor] if curve is None else [curve, factor]
     rows = []
     for key, group in used.group_by(keys, maintain_order=True):
@@ -125,7 +133,7 @@ def roc(table: pl.DataFrame, who: str, factor: str) -> list[RocPoint]:
     found = [name for name in table.columns if name.startswith(f"found.{who}.")]
     delays = [name for name in table.columns if name.startswith(f"delay.{who}.")]
     points = []
-    for (value,), group in table.group_by([factor], maintain_order=True):
+    for (value,), group in in_classes(table, factor).group_by([factor], maintain_order=True):
         known = group.filter(pl.col(f"alarms.{who}").is_not_null())
         healthy, faulty = known.filter(~pl.col("faulty")), known.filter("faulty")
         raised = int((healthy.get_column(f"alarms.{who}") > 0).sum())
@@ -133,6 +141,55 @@ def roc(table: pl.DataFrame, who: str, factor: str) -> list[RocPoint]:
         delay = pl.concat([faulty.get_column(name).alias("delay") for name in delays]) if delays else pl.Series([])
         points.append(RocPoint(value, rate_of(raised, len(healthy)), rate_of(all_found, len(faulty)), spread_of(delay)))
     return sorted(points, key=lambda point: point.value) if table.schema[factor].is_numeric() else points
+
+
+def in_classes(table: pl.DataFrame, factor: str) -> pl.DataFrame:
+    """Return a table in which a number with many values has the medians of classes of equally many runs."""
+    column = table.get_column(factor)
+    if not column.dtype.is_numeric() or column.n_unique() <= MOST_VALUES:
+        return table
+    place = (pl.col(factor).rank("ordinal") - 1) * CLASSES // len(table)
+    return table.with_columns(pl.col(factor).median().over(place).alias(factor))
+
+
+@dataclass(frozen=True)
+class OfSize:
+    """Faults of one size: how many of them are found, how soon, and the first run there."""
+
+    size: float
+    found: Rate
+    delay: Spread
+    run: int
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """A channel's faults by size; `smallest`: see `smallest_found`."""
+
+    channel: str
+    points: tuple[OfSize, ...]
+    smallest: float | None
+
+
+def by_size(table: pl.DataFrame, factor: str, who: str, share: float = 0.9) -> list[Sizes]:
+    """Return for each channel with faults what is found of each size; `factor`: the column with the sizes."""
+    found = []
+    for name in (one for one in table.columns if one.startswith(f"found.{who}.")):
+        channel = name.removeprefix(f"found.{who}.")
+        rates = against(table.filter(pl.col(name).is_not_null()), name, factor)
+        delay = f"delay.{who}.{channel}"
+        delays = {row.value: row.spread for row in against(table.filter(pl.col(name).is_not_null()), delay, factor)}
+        points = tuple(
+            OfSize(float(row.value), row.rate, delays[row.value], row.run) for row in rates if row.rate is not None
+        )
+        found.append(Sizes(channel, points, smallest_found(rates, share)))
+    return [one for one in found if one.points]
+
+
+def sizes_varied(study: Study) -> tuple[str, ...]:
+    """Return the columns of factors that are the size of a fault."""
+    numbers = (one for one in study.vary if isinstance(one, RangeFactor | ListFactor))
+    return tuple(one.column for one in numbers if is_number(one) and fullmatch(r"faults\..+\.size", one.path))
 
 
 def confusion(table: pl.DataFrame, study: Study, who: str) -> dict[str, dict[str, int]]:
@@ -159,10 +216,10 @@ def confusion(table: pl.DataFrame, study: Study, who: str) -> dict[str, dict[str
 def smallest_found(rows: Sequence[Against], share: float = 0.9) -> float | None:
     """Return the smallest size from which on at least a share of the faults are found; None where there is none.
 
-    `rows`: a column `found.…` against the size of its fault.
+    `rows`: a column `found.…` against the size of its fault. Of sizes below 0 the smallest is the one nearest to 0.
     """
     best = None
-    for row in sorted(rows, key=lambda one: float(one.value), reverse=True):
+    for row in sorted(rows, key=lambda one: abs(float(one.value)), reverse=True):
         if row.rate is None or row.rate.share is None or row.rate.share < share:
             break
         best = float(row.value)

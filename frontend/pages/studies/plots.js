@@ -193,6 +193,83 @@ export async function drawRoc(plot, points) {
 }
 
 /**
+ * What is found of faults of each size, and below it how soon.
+ * @param {FigureBox['plot']} plot
+ * @param {readonly service.ChannelSizes[]} channels
+ * @param {string} against
+ * @param {(run: number) => void} open
+ */
+export async function drawSizes(plot, channels, against, open) {
+  const data = channels.flatMap(({channel, points}, place) => {
+    const hex = colour(place);
+    const found = points.filter((point) => point.found.of);
+    const late = points.filter((point) => point.delay.median !== null);
+    /** @param {readonly service.SizeAnswer[]} some */
+    const base = (some) => ({
+      type: 'scatter',
+      mode: 'lines+markers',
+      name: channel,
+      legendgroup: channel,
+      x: some.map((point) => point.size),
+      customdata: some.map((point) => point.run),
+      line: {color: hex, width: 2},
+      marker: {color: hex, size: 8},
+    });
+    /** @param {(number | null)[]} high @param {(number | null)[]} low */
+    const bars = (high, low) => ({
+      type: 'data',
+      symmetric: false,
+      array: high,
+      arrayminus: low,
+      color: faint(hex, 0.5),
+      thickness: 1.2,
+    });
+    const shares = found.map((point) => point.found.count / point.found.of);
+    const medians = late.map((point) => point.delay.median ?? 0);
+    return [
+      {
+        ...base(found),
+        y: shares,
+        error_y: bars(
+          found.map((point, i) => point.found.high - shares[i]),
+          found.map((point, i) => shares[i] - point.found.low),
+        ),
+        hovertemplate: `%{x:.4g}: %{y:.1%}<extra>${channel}</extra>`,
+      },
+      {
+        ...base(late),
+        showlegend: false,
+        yaxis: 'y2',
+        y: medians,
+        error_y: bars(
+          late.map((point, i) => (point.delay.high ?? 0) - medians[i]),
+          late.map((point, i) => medians[i] - (point.delay.low ?? 0)),
+        ),
+        hovertemplate: `%{x:.4g}: %{y:.3g} s<extra>${channel}</extra>`,
+      },
+    ];
+  });
+  const sizes = channels.flatMap(({points}) => points.map((point) => point.size));
+  const delays = {title: title(t('page.studies.sizes.delay')), gridcolor: token('--line'), zeroline: false};
+  await show(
+    plot,
+    data,
+    layout(
+      {title: title(against), type: wide(sizes) ? 'log' : '-', anchor: 'y2'},
+      {title: title(t('page.studies.sizes.found')), tickformat: '.0%', range: [-0.04, 1.08], domain: [0.56, 1]},
+      {
+        yaxis2: {...delays, linecolor: token('--line'), automargin: true, rangemode: 'tozero', domain: [0, 0.46]},
+        showlegend: channels.length > 1,
+        legend: {orientation: 'h', y: 1.16, x: 0},
+        margin: {l: 64, r: 16, t: channels.length > 1 ? 34 : 12, b: 52},
+        height: 380,
+      },
+    ),
+    open,
+  );
+}
+
+/**
  * All points by two measures; those that no other beats are joined.
  * @param {FigureBox['plot']} plot
  * @param {readonly service.CompromiseAnswer[]} points

@@ -3,7 +3,7 @@
 import {get, reason} from '../../common/api.js';
 import {fill, h} from '../../common/dom.js';
 import {t} from '../../i18n/words.js';
-import {brief, describe, drawCompromises, drawCurves, drawParallel, drawRoc} from './plots.js';
+import {brief, describe, drawCompromises, drawCurves, drawParallel, drawRoc, drawSizes} from './plots.js';
 import {confusionTable, pointTable, sensitivityLine} from './result-tables.js';
 
 /** @import {FigureBox} from '../types.js' */
@@ -21,6 +21,7 @@ const TABS = /** @type {const} */ (['curves', 'confusion', 'sensitivity', 'paral
  * @property {string} a
  * @property {string} b
  * @property {string} roc
+ * @property {string} size
  * @property {number | null} run
  */
 
@@ -32,7 +33,7 @@ export function createResults(root, act) {
   /** @type {service.StudyState | null} */
   let study = null;
   /** @type {Chosen} */
-  const chosen = {tab: 'curves', measure: '', against: '', curve: '', a: '', b: '', roc: '', run: null};
+  const chosen = {tab: 'curves', measure: '', against: '', curve: '', a: '', b: '', roc: '', size: '', run: null};
   /** @type {{[name: string]: number}} */
   const turns = {};
   const tabs = h('div', {class: 'study-tabs', role: 'tablist'});
@@ -56,6 +57,7 @@ export function createResults(root, act) {
     if (!factors.includes(chosen.against)) chosen.against = factors[0] ?? '';
     if (!factors.includes(chosen.curve) || chosen.curve === chosen.against)
       chosen.curve = factors.find((name) => name !== chosen.against) ?? '';
+    if (!study.sizes.includes(chosen.size)) chosen.size = study.sizes[0] ?? '';
     if (!factors.includes(chosen.roc))
       chosen.roc = factors.find((name) => name.endsWith('false_alarms')) ?? factors[0] ?? '';
   }
@@ -129,8 +131,9 @@ export function createResults(root, act) {
   function curves() {
     if (!study) return [];
     const {measures, factors} = study;
-    const {measure, against, curve, a, b, roc} = chosen;
+    const {measure, against, curve, a, b, roc, size} = chosen;
     const judged = measures.some((name) => name === 'alarms.detector');
+    const {sizes} = study;
     return [
       factors.length > 0 &&
         card(
@@ -177,6 +180,32 @@ export function createResults(root, act) {
               under,
               h('p', {class: 'soft'}, t('page.studies.pareto.hint')),
               lacking > 0 && h('p', {class: 'soft'}, t('page.studies.pareto.lacking', {n: lacking})),
+            );
+          },
+        ),
+      judged &&
+        size !== '' &&
+        card(
+          'sizes',
+          t('page.studies.sizes'),
+          [choice(t('page.studies.against'), sizes, size, (name) => (chosen.size = name))],
+          async (plot, under) => {
+            /** @type {service.FoundBySize} */
+            const {channels, share} = await ask('sizes', {against: size});
+            await drawSizes(plot, channels, size, open);
+            fill(
+              under,
+              channels.map(({channel, smallest}) => {
+                const found = {channel, percent: Math.round(100 * share)};
+                return h(
+                  'p',
+                  {},
+                  smallest === null
+                    ? t('page.studies.sizes.never', found)
+                    : t('page.studies.sizes.from', {...found, size: brief(smallest)}),
+                );
+              }),
+              h('p', {class: 'soft'}, t('page.studies.sizes.hint')),
             );
           },
         ),

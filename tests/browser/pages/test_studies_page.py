@@ -12,13 +12,14 @@ def test_a_study_is_made_in_the_form_and_its_runs_open(page):
     studies.wait_for_selector(".study-form h2")
     studies.select_option(".study-form select", "friction-motor")
     until(studies, "[...document.querySelectorAll('#study-paths option')].some((one) => one.value.includes('ekf'))")
-    studies.fill(".study-factor input:first-child", "diagnosis.false_alarms")
-    studies.fill(".study-factor input:nth-child(2)", "0.01 0.02")
+    studies.fill(".study-factor input:first-child", "faults.friction.size")
+    studies.fill(".study-factor input:nth-child(2)", "3 9")
     studies.fill(".study-form input[type=number]", "2")
     studies.click(".study-form .run")
     until(studies, "document.querySelector('.study-progress b')?.textContent === '8'")
-    until(studies, "document.querySelectorAll('[data-card][data-drawn]').length === 3")
+    until(studies, "document.querySelectorAll('[data-card][data-drawn]').length === 4")
     assert "study=" in studies.url
+    assert "friction" in studies.inner_text(".study-sizes .study-under")
     assert "0 of 4" in studies.inner_text(".study-roc .study-under")
     for place, ready in ((2, ".study-confusion td"), (3, ".study-bar-line"), (5, ".study-scroll tbody tr")):
         studies.click(f".study-tabs button:nth-child({place})")

@@ -35,6 +35,7 @@ from thetascope_schemas.service.study.answers import (
     Compromises,
     Confusion,
     Curves,
+    FoundBySize,
     PointAnswers,
     Roc,
     Sensitivities,
@@ -202,6 +203,26 @@ async def get_roc(request: Request, id: str, services: Use, against: Column, who
     return await _summary(request, services, id, Roc, make)
 
 
+@router.get("/{id}/sizes", response_model=FoundBySize, responses=documented(404, 422))
+async def get_sizes(
+    request: Request,
+    id: str,
+    services: Use,
+    against: Column,
+    who: Who = "detector",
+    share: Annotated[float, Query(gt=0, le=1, description="Wanted share of faults that are found.")] = 0.9,
+) -> Response:
+    """Return how many faults of each size are found and how soon, and the smallest size that is found reliably."""
+
+    def make(state: State) -> dict[str, Any]:
+        _check_who(state, who)
+        _check_number(state, "against", against)
+        channels = summary.by_size(state.table, against, who, share)
+        return {"share": share, "channels": [asdict(one) for one in channels]}
+
+    return await _summary(request, services, id, FoundBySize, make)
+
+
 @router.get("/{id}/confusion", response_model=Confusion, responses=documented(404, 422))
 async def get_confusion(request: Request, id: str, services: Use, who: Who = "detector") -> Response:
     """Return what the first alarm named, by the true fault."""
@@ -292,6 +313,7 @@ def _state(state: State, by: Principal, language: str) -> dict[str, Any]:
         "mine": by.is_machine or bool(facts.owner) and by.acts_for(facts.owner),
         "problem": why and why.model_dump(mode="json"),
         "factors": [factor.column for factor in study.vary],
+        "sizes": list(summary.sizes_varied(study)),
         "measures": summary.measures(state.table, study) if known else [],
         "refused": len(state.table) - state.table.get_column("error").null_count() if known else 0,
         "links": {"self": base, **{part: f"{base}/{part}" for part in ("spec", "cancel", "points", "table.csv")}},
@@ -308,6 +330,13 @@ def _check_factor(state: State, field: str, name: str) -> None:
     known = [factor.column for factor in state.study.vary]
     if name not in known or not len(state.table):
         raise invalid(field, name, Message("study.factor.unknown", name=name, names=known))
+
+
+def _check_number(state: State, field: str, name: str) -> None:
+    _check_factor(state, field, name)
+    if not state.table.schema[name].is_numeric():
+        known = [one.column for one in state.study.vary if state.table.schema[one.column].is_numeric()]
+        raise invalid(field, name, Message("study.factor.no-number", name=name, names=known))
 
 
 def _check_who(state: State, who: str) -> None:

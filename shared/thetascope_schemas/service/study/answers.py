@@ -21,6 +21,7 @@ _STATE = {
     "mine": True,
     "problem": None,
     "factors": ["observers.adaptive.gains.lambda", "noise.y.std"],
+    "sizes": [],
     "measures": ["found.detector.theta3", "delay.detector.theta3"],
     "refused": 0,
     "links": {"self": "/api/studies/92671be42d2371653b585277a95f9289"},
@@ -45,6 +46,7 @@ class StudyState(Strict):
     mine: bool = Field(description="Whether this client may cancel and remove it.")
     problem: Problem | None = Field(description="Why it failed.")
     factors: tuple[str, ...] = Field(description="Columns of what varies.")
+    sizes: tuple[str, ...] = Field(description="Those of `factors` that are the size of a fault.")
     measures: tuple[str, ...] = Field(description="Columns of numbers that were measured, as far as they are known.")
     refused: int = Field(description="Runs of the kept ones that were refused; the table says why.")
     links: dict[str, str]
@@ -113,6 +115,49 @@ class Curves(Strict):
     model_config = example(points=[{"value": 4.0, "curve": None, "spread": _SPREAD, "rate": _RATE, "run": 400}])
 
     points: tuple[CurvePoint, ...]
+
+
+class SizeAnswer(Strict):
+    """Faults of one size."""
+
+    model_config = example(size=0.02, found=_RATE, delay=_SPREAD, run=400)
+
+    size: Number = Field(description="The size, in the channel's unit.")
+    found: RateAnswer = Field(description="Runs in which the fault was found.")
+    delay: SpreadAnswer = Field(description="Delay in s of the faults that were found.")
+    run: int = Field(description="Number of the first run there.")
+
+
+class ChannelSizes(Strict):
+    """The faults of a channel by size."""
+
+    model_config = example(
+        channel="theta3", points=[{"size": 0.02, "found": _RATE, "delay": _SPREAD, "run": 400}], smallest=0.02
+    )
+
+    channel: str
+    points: tuple[SizeAnswer, ...]
+    smallest: Number | None = Field(
+        description="The smallest size from which on the wanted share is found; null: there is none."
+    )
+
+
+class FoundBySize(Strict):
+    """What is found of faults of each size, and how soon."""
+
+    model_config = example(
+        share=0.9,
+        channels=[
+            {
+                "channel": "theta3",
+                "points": [{"size": 0.02, "found": _RATE, "delay": _SPREAD, "run": 400}],
+                "smallest": 0.02,
+            }
+        ],
+    )
+
+    share: Number = Field(description="The wanted share of faults that are found, from 0 to 1.")
+    channels: tuple[ChannelSizes, ...]
 
 
 class RocPointAnswer(Strict):
