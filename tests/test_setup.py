@@ -217,3 +217,12 @@ def test_the_command_is_installed():
     program = Path(sys.executable).parent / "thetascope"
     answer = subprocess.run([program, "--help"], capture_output=True, text=True, check=True, env=dict(os.environ))
     assert {"serve", "run", "list", "check"} <= set(re.findall(r"[a-z]+", answer.stdout))
+
+
+def test_the_image_may_copy_what_its_file_copies():
+    """Docker's context leaves out all but what `.dockerignore` names: each source of a COPY is among that."""
+    kept = {line[1:] for line in (ROOT / ".dockerignore").read_text().splitlines() if line.startswith("!")}
+    copies = re.findall(r"^COPY (?!--from)(.+)$", (ROOT / "Dockerfile").read_text(), re.MULTILINE)
+    wanted = {source for line in copies for source in line.split()[:-1]}
+    assert len(wanted) > 8 and wanted <= kept
+    assert all((ROOT / source).exists() for source in wanted)

@@ -103,6 +103,28 @@ def test_it_is_refused_for_a_single_output():
         run(single, "parity", ("inflow",), {}, horizon=5.0, step=0.01, evaluate=PERIOD, faults=[])
 
 
+def test_a_window_that_leaves_no_residual_is_refused():
+    """With n states and m outputs, orders up to n/(m − 1) − 1 are refused with the least that is enough."""
+    with pytest.raises(SpecError) as refused:
+        lags([], options={"order": 2})
+    assert refused.value.field.endswith("options.order") and "3" in str(refused.value.remedy)
+    result = lags([step("inflow")], options={"order": 3})
+    for name in FAULTS:
+        residual = result.column(f"o.residual.{name}")[10:]
+        assert np.isfinite(residual).all() and residual.std() > 0
+
+
+def test_it_says_where_its_model_runs_away():
+    """On an unstable plant the error of the model grows without bound; an integrator is fine."""
+    for drain, verdict in (("0.5*c", "fails"), ("0", "holds"), ("-0.5*c", "holds")):
+        plant = LINEAR | {"id": "lags", "dynamics": LINEAR["dynamics"] | {"c": f"a - b + {drain}"}}
+        spec = {"horizon": 6.0, "step": 0.01, "evaluate": PERIOD, "noise": NOISE}
+        result = run(plant, "parity", ("inflow", "drain"), {}, faults=[], **spec)
+        check = next(c for c in result.observers[0].checks if c.name.code == "check.beside")
+        assert check.verdict == verdict
+        assert verdict == "holds" or check.value == pytest.approx(0.5, rel=1e-6)
+
+
 CODE = '''"""The change of each output: residuals only, neither states nor faults."""
 
 from thetascope.engine.observers.support.declaration import Gain, Observer

@@ -21,6 +21,7 @@ from itertools import combinations
 
 import numpy as np
 
+from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import CANNOT_TELL, Check
 from thetascope.engine.observers.classical.design import DISTINCT, Point, chosen, operating_point, requested
 from thetascope.engine.observers.kalman.rk4_map import SUBSTEPS, carried
@@ -35,6 +36,7 @@ SOURCE = "Chow & Willsky 1984, IEEE TAC 29(7)"
 MOST = 60  # samples in a window, less one
 SEEN = 2.0  # thresholds that a typical fault must reach to count as seen
 BLIND = 1e-6  # relative size of a singular value of V^(−½)[O Tᵢ], below which a direction is rounding
+AT_REST = 1e-9  # real part of an eigenvalue of A, relative to the largest, that counts as 0: an integrator
 _USUAL = 24  # the largest order taken by default
 _LAST = 0.25  # share of the rows, at the end, on which faults are read from the residuals
 
@@ -100,7 +102,7 @@ def relations(c: Context, point: Point, length: int, alpha: float) -> Relations:
     values, vectors = np.linalg.eigh(covariance(c, length))
     white = (vectors / np.sqrt(np.maximum(values, 1e-9 * values[-1]))).T
     each = [complement(white @ np.hstack([free, own])) @ white for own in T]
-    limits = np.array([np.sqrt(chi2.isf(alpha, len(W))) if len(W) else np.inf for W in each])
+    limits = np.array([np.sqrt(chi2.isf(alpha, len(W))) for W in each])
     lasting = [own.sum(axis=1) for own in T]
     reach = np.array([[np.linalg.norm(W @ step) for step in lasting] for W in each]).reshape(len(T), len(T))
     return Relations(tuple(each), limits, reach / limits[:, None])
@@ -138,12 +140,19 @@ ORDER = Option("order", Message("option.parity-order"), "integer", default_order
 
 
 def write(d: Draft) -> None:
-    """Write the model beside the plant and the window of its output errors."""
+    """Write the model beside the plant and the window of its output errors.
+
+    Raises SpecError for a window from which the state and a fault's course take everything: [O T] has n + s + 1 columns
+    and m(s + 1) rows.
+    """
+    order = int(str(d.options["order"]))
+    if d.p and d.m > 1 and (order + 1) * (d.m - 1) <= d.n:
+        raise SpecError("options.order", order, Message("observer.parity.short", least=d.n // (d.m - 1)))
     x = d.estimate_of_state()
     predicted = carried(d, "flow", x, zeros(d.p))
     at = d.at(predicted, [0] * d.p, NOW)
     scale = d.constant("scale", d.m, 1)
-    length = int(str(d.options["order"])) + 1
+    length = order + 1
     window = d.states("window", length, d.m)
     for k in range(length - 1):
         d.set(window[k, :], window[k + 1, :])
@@ -187,7 +196,22 @@ def checks(run: Observed) -> list[Check]:
     if not run.channels:
         return [Check(Message("check.isolable"), CANNOT_TELL, NOTHING, source=SOURCE)]
     reach = of_run(run)[0].reach
-    return [isolable(run, reach), explained(run, reach)]
+    return [isolable(run, reach), beside(run), explained(run, reach)]
+
+
+def beside(run: Observed) -> Check:
+    """Check that the model beside the plant does not run away from it.
+
+    Nothing corrects the model, and its error e grows with the largest real part of the eigenvalues of A. The relations
+    are blind to e of a linear plant, as far as rounding allows; those of another plant hold for a small e only.
+    """
+    point, rate = operating_point(run.context), pace(run.context)
+    values = np.linalg.eigvals(point.A) * rate
+    value, limit = float(values.real.max()), AT_REST * float(np.abs(values).max(initial=0.0))
+    runs_away = value > limit
+    growth = min(value * run.interval * len(run.values["t"]), 700.0) if runs_away else 0.0
+    text = Message("check.beside.grows" if runs_away else "check.beside.stays", value=value, growth=math.exp(growth))
+    return Check(Message("check.beside"), verdict(not runs_away), text, value, limit, SOURCE)
 
 
 def isolable(run: Observed, reach: np.ndarray) -> Check:
