@@ -46,6 +46,14 @@ class Settings:
     #: Address and port on which `thetascope serve` listens.
     host: str = "127.0.0.1"
     port: int = 8000
+    #: Processes among which live sessions are spread, and what leads requests to them: Caddy, started with them, or
+    #: none (a router of your own; process k then listens on port + k).
+    processes: int = 1
+    router: Literal["caddy", "none"] = "caddy"
+    #: Of one of several processes: its number, and the folder of their sockets ("": they listen on ports). `serve` sets
+    #: both for the processes that it starts.
+    process: int | None = None
+    sockets: str = ""
     #: Address under which a container's port is published, where it is not `host`: it decides who needs the access key.
     published: str = ""
     #: Further names of this service, separated by commas; loopback names and addresses as numbers are always accepted.
@@ -125,6 +133,11 @@ class Settings:
     def store(self) -> str:
         """Path or URL of the store."""
         return self.database or str(self.data / "runs.sqlite")
+
+    @property
+    def owns_store(self) -> bool:
+        """Return whether this is the process, perhaps the first of several, that owns the store and computes runs."""
+        return not self.process
 
 
 def load(environ: Mapping[str, str] | None = None, **overrides: object) -> Settings:

@@ -6,7 +6,7 @@ from thetascope.access.gate import FILE, opens
 from thetascope.access.key_file import KeyFile
 from thetascope.cli.access_commands import announce
 from thetascope.cli.words import Words
-from thetascope.server.app import Started
+from thetascope.server.started import Started
 from thetascope.settings import Settings
 
 

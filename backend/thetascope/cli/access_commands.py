@@ -12,7 +12,7 @@ from thetascope.cli.words import Words
 from thetascope.settings import Settings, load
 
 if TYPE_CHECKING:
-    from thetascope.server.app import Started
+    from thetascope.server.started import Started
 
 _EVERYWHERE = ("", "0.0.0.0", "::")
 

@@ -19,7 +19,7 @@ from thetascope.cli.studies.study_options import TABLES as STUDY_TABLES
 from thetascope.cli.studies.study_options import add_study_options
 from thetascope.cli.words import Words, chosen_language
 from thetascope.messages import Message
-from thetascope.process_settings import collect_as_usual, collect_rarely, use_one_thread
+from thetascope.process_settings import collect_rarely, use_one_thread
 
 Value = TypeVar("Value")
 
@@ -58,6 +58,8 @@ def parser(say: Words) -> argparse.ArgumentParser:
     serve.add_argument("--host", help=say("cli.help.host"))
     serve.add_argument("--port", type=int, help=say("cli.help.port"))
     serve.add_argument("--read-only", action="store_true", help=say("cli.help.read-only"))
+    serve.add_argument("--processes", type=int, metavar="N", help=say("cli.help.processes"))
+    serve.add_argument("--router", choices=("caddy", "none"), help=say("cli.help.router"))
     serve.add_argument("--open", action="store_true", help=say("cli.help.open"))
     serve.set_defaults(command=_serve)
 
@@ -294,22 +296,9 @@ def _inspect(options: argparse.Namespace, say: Words) -> int:
 
 
 def _serve(options: argparse.Namespace, say: Words) -> int:
-    from thetascope.cli.access_commands import announce
-    from thetascope.server.app import Started, serve
-    from thetascope.settings import load
+    from thetascope.cli.serve_command import serve_command
 
-    collect_as_usual()
-    settings = load(host=options.host, port=options.port, read_only=1 if options.read_only else None)
-
-    def ready(started: Started) -> None:
-        announce(started, settings, say)
-        if options.open:
-            import webbrowser
-
-            webbrowser.open(started.link)
-
-    serve(settings, ready)
-    return 0
+    return serve_command(options, say)
 
 
 def _key(options: argparse.Namespace, say: Words) -> int:

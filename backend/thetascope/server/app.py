@@ -1,14 +1,14 @@
 """The service: `create_app(settings)` creates the ASGI application, `serve(settings)` runs it."""
 
 import asyncio
+import os
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
 from importlib import import_module
 from socket import socket
 from threading import Thread
-from urllib.parse import urlencode
+from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, FastAPI
 from starlette.concurrency import run_in_threadpool
@@ -44,8 +44,14 @@ from thetascope.api.sign_in.require_key import RequireKey
 from thetascope.classroom.lti.tool import prepared
 from thetascope.engine.compiler import cache
 from thetascope.server import connections, prewarm
+from thetascope.server.processes.from_router import FromRouter
+from thetascope.server.processes.router import socket_of
+from thetascope.server.started import Started, started_at
 from thetascope.settings import Settings, load
 from thetascope.store import Database
+
+if TYPE_CHECKING:
+    import uvicorn
 
 DESCRIPTION = """Adaptive observers finding faults: plants as text, experiments as data, runs by the hash of their spec.
 
@@ -147,28 +153,6 @@ def _api() -> APIRouter:
     return api
 
 
-@dataclass(frozen=True)
-class Started:
-    """A service that answers.
-
-    Args:
-        address: of the page, as seen from this machine.
-        key: the access key if it was created now; it is shown this once.
-        asks: whether the service asks for the key, also on this machine.
-        unguarded: whether other machines may reach it, and nobody is asked.
-    """
-
-    address: str
-    key: str | None = None
-    asks: bool = False
-    unguarded: bool = False
-
-    @property
-    def link(self) -> str:
-        """Return the address that opens the page in a browser on this machine."""
-        return f"{self.address}?{urlencode({'key': self.key})}" if self.key and self.asks else self.address
-
-
 def serve(settings: Settings, ready: Callable[[Started], None] = lambda started: None) -> None:
     """Serve until interrupted; `ready` is called as soon as requests are answered.
 
@@ -184,11 +168,43 @@ def serve(settings: Settings, ready: Callable[[Started], None] = lambda started:
     gate: Gate = app.state.gate
     key = gate.file.ensured()[1] if gate.expects_others else None
     notes = connections.Notes()
-    config = uvicorn.Config(
-        app,
+
+    class Server(uvicorn.Server):
+        async def startup(self, sockets: list[socket] | None = None) -> None:
+            connections.watch(asyncio.get_running_loop(), notes)
+            await super().startup(sockets)
+            if self.started:
+                port = 0 if settings.sockets else self.servers[0].sockets[0].getsockname()[1]
+                ready(started_at(settings, port, key, gate))
+
+        async def shutdown(self, sockets: list[socket] | None = None) -> None:
+            """End what is computed first, so that the requests that wait for it are answered."""
+            app.state.services.live.stop()
+            await run_in_threadpool(app.state.services.end_computations)
+            await super().shutdown(sockets)
+
+    beside = prewarm.begin() if settings.prepare and settings.owns_store else None
+    try:
+        Server(_configured(app, settings, notes)).run()
+    finally:
+        database.close()
+        prewarm.end(beside)
+
+
+def _configured(app: FastAPI, settings: Settings, notes: connections.Notes) -> "uvicorn.Config":
+    """Return how the application is served: on a port, or behind the router on a socket."""
+    import uvicorn
+    from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
+
+    number, behind_router = settings.process or 0, bool(settings.sockets)
+    trusted = os.environ.get("FORWARDED_ALLOW_IPS", "127.0.0.1")  # uvicorn's own variable and default
+    return uvicorn.Config(
+        FromRouter(ProxyHeadersMiddleware(app, trusted)) if behind_router else app,  # type: ignore[arg-type]
+        proxy_headers=not behind_router,
         http=connections.protocol(connections.allowed(settings.connections), notes),
+        uds=socket_of(settings.sockets, number) if behind_router else None,
         host=settings.host,
-        port=settings.port,
+        port=settings.port + number if settings.port else 0,
         log_config=None,
         access_log=False,
         server_header=False,
@@ -197,26 +213,3 @@ def serve(settings: Settings, ready: Callable[[Started], None] = lambda started:
         ws_max_size=4 * settings.max_message,
         timeout_graceful_shutdown=_PATIENCE,
     )
-
-    class Server(uvicorn.Server):
-        async def startup(self, sockets: list[socket] | None = None) -> None:
-            connections.watch(asyncio.get_running_loop(), notes)
-            await super().startup(sockets)
-            if self.started:
-                port = self.servers[0].sockets[0].getsockname()[1]
-                host = "127.0.0.1" if settings.host in ("0.0.0.0", "::") else settings.host
-                unguarded = gate.is_open and not gate.on_loopback
-                ready(Started(f"http://{host}:{port}/", key, gate.asks_everybody, unguarded))
-
-        async def shutdown(self, sockets: list[socket] | None = None) -> None:
-            """End what is computed first, so that the requests that wait for it are answered."""
-            app.state.services.live.stop()
-            await run_in_threadpool(app.state.services.end_computations)
-            await super().shutdown(sockets)
-
-    beside = prewarm.begin() if settings.prepare else None
-    try:
-        Server(config).run()
-    finally:
-        database.close()
-        prewarm.end(beside)

@@ -4,11 +4,13 @@ import json
 import logging
 import sys
 import time
+from contextvars import ContextVar
 from typing import Any
 
-from thetascope.api.operation.request_log import request_id
 from thetascope.settings import Settings
 
+request_id: ContextVar[str | None] = ContextVar("request_id", default=None)
+"""The id of the request that is being answered; None outside of requests."""
 _LIMIT = 2000
 """Characters of a field in a line: a client chooses addresses and headers."""
 

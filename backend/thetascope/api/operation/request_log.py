@@ -4,13 +4,13 @@ import logging
 import re
 import secrets
 import time
-from contextvars import ContextVar
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from thetascope.access.principal import is_admitted, principal_of
+from thetascope.api.operation.log_format import request_id
 from thetascope.api.operation.metrics import Metrics
 
 log = logging.getLogger("thetascope.requests")
@@ -20,9 +20,6 @@ HEADER = "X-Request-ID"
 _ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
 _CLOSED = 499
 """The status in log and metrics of a request whose client went away before the answer began."""
-
-request_id: ContextVar[str | None] = ContextVar("request_id", default=None)
-"""The id of the request that is being answered; None outside of requests."""
 
 
 class RequestLog:

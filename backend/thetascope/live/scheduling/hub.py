@@ -17,6 +17,7 @@ from thetascope.live.room.playback_clock import MinimumInterval, RateLimiter
 from thetascope.live.room.room_state import Transition
 from thetascope.live.room.serial_queue import Background, Callback, Job, outcome
 from thetascope.live.scheduling.fast_forward import FastForward, return_memory
+from thetascope.live.scheduling.session_ids import new_id
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import Busy, OverLimit
 from thetascope.runs.workers.pool import Workers
@@ -207,7 +208,7 @@ class Hub:
         from thetascope.live.room.room import Room
 
         services = self._start()
-        id, token = secrets.token_urlsafe(12), secrets.token_urlsafe(24)
+        id, token = new_id(self._settings.process), secrets.token_urlsafe(24)
         room = self._rooms[id] = Room(id, token, session, services, parent)
         self._clients[id] = client
         # Everything in memory now stays for a while. Otherwise Python's garbage collector would search SymPy and all
