@@ -9,18 +9,16 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from struct import Struct
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from thetascope.classroom.faults.outcomes import panels_of
 from thetascope.classroom.faults.own_round import OwnRound
+from thetascope.live.room.broadcast import Tap
 from thetascope_schemas.service.classroom.requests import CurveStrip
 from thetascope_schemas.service.classroom.views import CurvesHead
 from thetascope_schemas.service.session import HEADER
-
-if TYPE_CHECKING:
-    from thetascope.live.room.room import Room
 
 _HEADER = Struct(HEADER)
 _QUEUE = 90
@@ -29,6 +27,47 @@ _FRAME = 1 / 30
 """Seconds between two frames, at least."""
 _PAST = 8192
 """Rows that a phone is sent of the past."""
+
+
+class Shown(Protocol):
+    """What curves need of a session, which lives in this process or in another one."""
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of its frames."""
+        ...
+
+    @property
+    def epoch(self) -> int:
+        """Grows when columns or past rows change."""
+        ...
+
+    @property
+    def record(self) -> float:
+        """Time in s between rows."""
+        ...
+
+    @property
+    def shown(self) -> int:
+        """Rows shown so far."""
+        ...
+
+    @property
+    def oldest(self) -> int:
+        """The first row that is kept."""
+        ...
+
+    async def past_rows(self, columns: tuple[str, ...], first: int, last: int) -> np.ndarray:
+        """Return rows first … last − 1 in these columns."""
+        ...
+
+    def attach(self, tap: Tap) -> None:
+        """Add a tap, which gets all frames from now on."""
+        ...
+
+    def detach(self, tap: Tap) -> None:
+        """Remove a tap."""
+        ...
 
 
 class CurveSocket:
@@ -132,12 +171,12 @@ class Curves:
 
     def __init__(self, horizon: float | None = None) -> None:
         self._horizon = horizon
-        self._room: Room | None = None
+        self._room: Shown | None = None
         self._strip: CurveStrip | None = None
         self._sockets: set[CurveSocket] = set()
         self._places: tuple[tuple[int, int | None], ...] = ()
 
-    def show(self, room: "Room | None", strip: CurveStrip | None) -> None:
+    def show(self, room: Shown | None, strip: CurveStrip | None) -> None:
         """Show curves of this session from now on; None: none."""
         if room is self._room and strip == self._strip:
             return
@@ -191,9 +230,9 @@ class Curves:
         if room is None or strip is None or not self._places:
             head = CurvesHead(strip=None, record=1, epoch=0, row=0, horizon=None)
             return [head.model_dump_json()]
-        epoch, last = room.broadcast.epoch, room.shown
+        epoch, last = room.epoch, room.shown
         first = max(room.oldest, last - _PAST)
-        head = CurvesHead(strip=strip, record=room.session.record, epoch=epoch, row=first, horizon=self._horizon)
+        head = CurvesHead(strip=strip, record=room.record, epoch=epoch, row=first, horizon=self._horizon)
         names = self._names()
         values = await room.past_rows(names, first, last)
         places = tuple(
@@ -210,7 +249,7 @@ class Curves:
         """Return the places of the columns in a frame; none if one is missing."""
         if self._room is None or self._strip is None:
             return ()
-        columns = self._room.broadcast.columns
+        columns = self._room.columns
         if any(name not in columns for name in self._names()):
             return ()
         return tuple(

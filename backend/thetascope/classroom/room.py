@@ -1,9 +1,8 @@
 """A room: its students, its rounds, and who is sent its state. It has no input or output, and no clock of its own."""
 
 from secrets import token_hex
-from typing import TYPE_CHECKING
 
-from thetascope.classroom.curves import Curves
+from thetascope.classroom.curves import Curves, Shown
 from thetascope.classroom.faults.own_round import OwnRound
 from thetascope.classroom.people import nicknames
 from thetascope.classroom.people.codes import digest, new_token
@@ -20,9 +19,6 @@ from thetascope_schemas.service.classroom.requests import (
 )
 from thetascope_schemas.service.classroom.views import GradesView
 from thetascope_schemas.service.learning.mystery import MysterySetup
-
-if TYPE_CHECKING:
-    from thetascope.live.room.room import Room as LiveRoom
 
 _ROUNDS = 60
 """Past rounds that are kept for the results."""
@@ -150,7 +146,7 @@ class Room:
             raise NotReady(Message("classroom.not-following"))
         return self.round
 
-    def show(self, lead: LeadRequest, now: float, session: "LiveRoom | None") -> None:
+    def show(self, lead: LeadRequest, now: float, session: Shown | None) -> None:
         """Show what the teacher shows, with the curves of a session. Raises NotReady."""
         self.following().show(lead, now)
         self.curves.show(session, lead.strip)

@@ -9,6 +9,7 @@ from thetascope.classroom.faults.own_round import OwnRound
 from thetascope.classroom.people.codes import digest, new_code, new_token, read_code
 from thetascope.classroom.people.students import Student
 from thetascope.classroom.room import Room
+from thetascope.classroom.session_elsewhere import SessionsElsewhere
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import OverLimit, Unknown
 from thetascope_schemas.service.learning.mystery import MysterySetup
@@ -47,6 +48,7 @@ class Rooms:
         self._seats: dict[bytes, tuple[Room, Student]] = {}
         self._timer: asyncio.TimerHandle | None = None
         self.follower: Follower | None = None
+        self.elsewhere = SessionsElsewhere()
 
     def __len__(self) -> int:
         return len(self._rooms)

@@ -23,6 +23,8 @@ from thetascope.api.http.services import Services
 from thetascope.api.operation import health, log_format
 from thetascope.api.operation.metrics import Metrics
 from thetascope.api.operation.request_log import RequestLog
+from thetascope.api.processes.from_router import FromRouter
+from thetascope.api.processes.others import port_of, socket_of
 from thetascope.api.routes import (
     catalogue,
     messages,
@@ -44,8 +46,6 @@ from thetascope.api.sign_in.require_key import RequireKey
 from thetascope.classroom.lti.tool import prepared
 from thetascope.engine.compiler import cache
 from thetascope.server import connections, prewarm
-from thetascope.server.processes.from_router import FromRouter
-from thetascope.server.processes.router import socket_of
 from thetascope.server.started import Started, started_at
 from thetascope.settings import Settings, load
 from thetascope.store import Database
@@ -204,7 +204,7 @@ def _configured(app: FastAPI, settings: Settings, notes: connections.Notes) -> "
         http=connections.protocol(connections.allowed(settings.connections), notes),
         uds=socket_of(settings.sockets, number) if behind_router else None,
         host=settings.host,
-        port=settings.port + number if settings.port else 0,
+        port=port_of(settings, number),
         log_config=None,
         access_log=False,
         server_header=False,

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from math import ceil, floor
 from typing import Annotated, Any, Literal
+from urllib.parse import quote
 
 from fastapi import APIRouter, Header, Query, Request
 from starlette.concurrency import run_in_threadpool
@@ -34,6 +35,7 @@ from thetascope.api.http.read_body import body_schema, parsed_as
 from thetascope.api.http.request_bodies import ForkRequest, SessionRequest
 from thetascope.api.http.services import Services, Use
 from thetascope.api.operation.request_log import audit
+from thetascope.api.processes.others import elsewhere, get
 from thetascope.api.routes import table_query
 from thetascope.api.routes.session_stream import Stream, matches
 from thetascope.engine.errors import SpecError, Unwatchable
@@ -48,11 +50,12 @@ from thetascope.runs.specs.problem_documents import problem
 from thetascope.runs.specs.refusals import NotReady, Unknown, from_engine, invalid
 from thetascope_schemas.experiment.base import MAX_TIME
 from thetascope_schemas.experiment.diagnosis import InputProposal
-from thetascope_schemas.experiment.experiment import ResolvedExperiment
+from thetascope_schemas.experiment.experiment import Experiment, ResolvedExperiment
 from thetascope_schemas.service.answers import SessionOpened, SessionState
 from thetascope_schemas.service.comparison import WindowComparison, WindowTable
 from thetascope_schemas.service.facts import Facts
 from thetascope_schemas.service.run import Progress, Run
+from thetascope_schemas.texts.local_text import ALL
 from thetascope_schemas.texts.refusal import suggestion
 
 router = APIRouter(prefix="/sessions", tags=["sessions"])
@@ -181,12 +184,17 @@ async def save_session(
     request: Request, id: str, services: Use, language: Language, token: ControlToken = ""
 ) -> Response:
     """Save the session up to now as an ordinary run with exactly the same numbers."""
-    room = _room(services, id)
-    if not matches(token, room.token):
+    process = elsewhere(services.settings, id)
+    if process is None:
+        spec = _spec_to_save(services, id, token)
+    else:
+        path = f"/api/sessions/{quote(id)}/to-save"
+        answer = await run_in_threadpool(get, services.settings, process, path, request)
+        if answer.status != 200:
+            return Response(answer.body, answer.status, media_type=answer.media_type)
+        spec = await run_in_threadpool(ResolvedExperiment.model_validate_json, answer.body)
+    if spec is None:
         return _wrong_token(language)
-    if room.shown < 2:
-        raise NotReady(Message("session.not-begun"))
-    spec = room.spec()
     check_cpu(request, services)
     most = limits_for(request, services).runs
     started = await run_in_threadpool(services.runs.submit, spec, principal_of(request.scope), most)
@@ -200,6 +208,15 @@ async def save_session(
     if snapshot is not None:
         return run_response(snapshot, language, 201)
     return progress_response(started.snapshot(), language, 202)
+
+
+@router.get("/{id}/to-save", include_in_schema=False)
+def get_spec_to_save(id: str, services: Use, language: Language, token: ControlToken = "") -> Response:
+    """Return the experiment that is run to save a session, for the process that owns the store."""
+    spec = _spec_to_save(services, id, token)
+    if spec is None:
+        return _wrong_token(language)
+    return Response(spec.model_dump_json(context={"language": ALL}), media_type="application/json")
 
 
 @router.get("/{id}/facts", response_model=Facts, responses=documented(404, 422))
@@ -306,6 +323,16 @@ def _room(services: Services, id: str) -> Any:
     if room is None:
         raise Unknown(Message("session.unknown", id=id[:64]))
     return room
+
+
+def _spec_to_save(services: Services, id: str, token: str) -> Experiment | None:
+    """Return the experiment of a session up to now; None for a wrong token. Raises Unknown, NotReady."""
+    room = _room(services, id)
+    if not matches(token, room.token):
+        return None
+    if room.shown < 2:
+        raise NotReady(Message("session.not-begun"))
+    return room.spec()
 
 
 def _opened(room: Any) -> Response:

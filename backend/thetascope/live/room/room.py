@@ -78,6 +78,21 @@ class Room:
     # ---- status ------------------------------------------------------------------------------------------------------
 
     @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of its frames."""
+        return self.broadcast.columns
+
+    @property
+    def epoch(self) -> int:
+        """Grows when columns or past rows change."""
+        return self.broadcast.epoch
+
+    @property
+    def record(self) -> float:
+        """Time between rows, s."""
+        return self.session.record
+
+    @property
     def shown(self) -> int:
         """Rows shown so far."""
         return self.broadcast.shown

@@ -7,10 +7,11 @@ dependencies, and the one that the profile `public` of docker-compose.yml uses.
 import shutil
 from pathlib import Path
 
+from thetascope.api.processes.from_router import CLIENT, PREFIX, PROTOCOL, REPLACED
+from thetascope.api.processes.others import socket_of
 from thetascope.live.scheduling.session_ids import prefix
 from thetascope.messages import Message
 from thetascope.messages.explained import Explained
-from thetascope.server.processes.from_router import CLIENT, PREFIX, PROTOCOL, REPLACED
 from thetascope.settings import SettingsError
 
 _CADDYFILE = """{{
@@ -78,13 +79,10 @@ def caddy() -> str:
 
 def command(program: str, configuration: Path) -> list[str]:
     """Return the command that runs the router until its standard input closes, as when its supervisor is killed."""
-    watched = '(read -r _ <&3; kill $$) >/dev/null 2>&1 & exec "$0" run --config "$1" --adapter caddyfile 3<&- </dev/null'
+    watched = (
+        '(read -r _ <&3; kill $$) >/dev/null 2>&1 & exec "$0" run --config "$1" --adapter caddyfile 3<&- </dev/null'
+    )
     return ["/bin/sh", "-c", f"exec 3<&0; {watched}", program, str(configuration)]
-
-
-def socket_of(folder: str, process: int) -> str:
-    """Return the path of a process's socket."""
-    return f"{folder}/{process}.sock"
 
 
 def caddyfile(host: str, port: int, folder: str, processes: int) -> str:

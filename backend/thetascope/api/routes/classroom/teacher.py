@@ -12,8 +12,10 @@ from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed_as
 from thetascope.api.http.services import Services, Use
 from thetascope.api.operation.request_log import audit
+from thetascope.api.processes.others import elsewhere, stream
 from thetascope.api.routes.classroom.join_address import join_address, qr_rows
 from thetascope.api.routes.classroom.streams import WallStream
+from thetascope.classroom.curves import Shown
 from thetascope.classroom.result_table import csv_of
 from thetascope.classroom.room import Room
 from thetascope.classroom.room_views import replay_of, wall_view
@@ -113,7 +115,7 @@ async def show_session(request: Request, services: Use, token: TeacherToken = ""
     """Show a session, and perhaps a step of a lesson, to all who follow. After `phase: after` the votes are marked."""
     room = services.rooms.of_teacher(token)
     body = await parsed_as(request, services, LeadRequest)
-    room.show(body, services.rooms.now(), services.live.find(body.session) if body.session else None)
+    room.show(body, services.rooms.now(), _session(request, services, body.session))
     return Response(status_code=204)
 
 
@@ -135,6 +137,14 @@ async def get_results(services: Use, token: TeacherToken = "") -> Response:
     room = services.rooms.of_teacher(token)
     named = {"Content-Disposition": f'attachment; filename="room-{room.code}.csv"'}
     return Response(csv_of(room), 200, named | _NONE, MEDIA_TYPES["csv"])
+
+
+def _session(request: Request, services: Services, id: str) -> Shown | None:
+    """Return a session of this or another process; None if there is none such."""
+    process = elsewhere(services.settings, id)
+    if process is None:
+        return services.live.find(id) if id else None
+    return services.rooms.elsewhere.get(id, lambda: stream(services.settings, process, id, request))
 
 
 def room_opened(request: Request, services: Services, room: Room, token: str) -> RoomOpened:
