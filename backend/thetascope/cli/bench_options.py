@@ -14,7 +14,7 @@ def add_bench_options(
     parser: argparse.ArgumentParser, say: Words, count: Callable[[str], int], output: Callable[[str], Path]
 ) -> None:
     """Add the problems and options; `count` and `output` check numbers and files."""
-    parser.add_argument("problems", metavar="EXPERIMENT", nargs="*", help=say("cli.help.bench-problems"))
+    parser.add_argument("problems", metavar="EXPERIMENT|FOLDER", nargs="*", help=say("cli.help.bench-problems"))
     parser.add_argument("--seeds", type=count, default=10, metavar="N", help=say("cli.help.bench-seeds"))
     rules = say("cli.help.bench-observer")
     parser.add_argument("--observer", action="append", default=[], metavar="KIND|detector", help=rules)

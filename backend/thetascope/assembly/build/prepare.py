@@ -69,7 +69,7 @@ def prepare_seed(known: Prepared, spec: ResolvedExperiment) -> Prepared:
     """Return the programs of an experiment that differs by its seed only from one whose programs are built."""
     if len(known.stages) > 1:
         return prepare(spec)
-    return Prepared(spec, (Stage(known.stages[0].k, reseeded(known.engine, spec)),))
+    return Prepared(spec, (Stage(0, reseeded(known.engine, spec)),))
 
 
 def _stages(spec: ResolvedExperiment) -> Iterator[Stage]:
