@@ -29,7 +29,7 @@ LANES = {
 DETECTOR = {
     "experiment": "friction-motor",
     "vary": [{"kind": "list", "path": "diagnosis.false_alarms", "values": [0.01, 0.1]}],
-    "seeds": 200,
+    "seeds": 60,
     "faults": "both",
 }
 COUNT = 64  # runs of a block in lanes

@@ -348,7 +348,7 @@ export interface Sketched {
 export interface Strip {
   /** theta.theta1, x.x1, r.r, u.q, signal.phi, residual.y, excitation */
   name: string;
-  kind: 'theta' | 'state' | 'loop' | 'input' | 'residual' | 'excitation';
+  kind: 'theta' | 'state' | 'loop' | 'input' | 'residual' | 'relation' | 'excitation';
   /** Name to be set as mathematics. */
   symbol: string;
   /** Channel, state or output. */

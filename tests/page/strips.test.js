@@ -163,3 +163,21 @@ test('inputs and known signals have strips that are shown when they are chosen',
   assert.deepEqual(of({presentation: true, strips: {'u.u': true}})[0].shown, true);
   assert.equal(of({})[0].reading?.column, 'u.u');
 });
+
+test('a residual that is blind to a channel has a strip with its threshold, in place of an estimate', () => {
+  const columns = ['t', 'y.a', 'o.y.a', 'o.residual.c', 'o.residual.b'];
+  const all = stripsOf(state({plant: plant(3), columns, observers: [observer('o', 0), observer('p', 1)]}));
+  const found = all.filter(({kind}) => kind === 'relation');
+  assert.deepEqual(
+    found.map(({name, threshold, shown}) => [name, threshold, shown]),
+    [
+      ['relation.b', 1, true],
+      ['relation.c', 1, true],
+    ],
+  );
+  assert.deepEqual(
+    found[0].traces.map(({column}) => column),
+    ['o.residual.b'],
+  );
+  assert.equal(stripsOf(state({plant: plant(3), columns: COLUMNS})).filter(({kind}) => kind === 'relation').length, 0);
+});

@@ -36,6 +36,7 @@ def available(spec, columns: Sequence[str]) -> list[str]:
         ("states", "x" in kinds or states),
         ("outputs", "y" in kinds),
         ("residuals", observed and "y" in kinds),
+        ("relations", any(column.startswith(f"{label}.residual.") for column in columns for label in labels)),
         ("errors", observed and not unknown),
         ("inputs", bool(kinds & {"u", "signal"})),
         ("excitation", bool(_excitation_columns(columns, labels))),
@@ -112,6 +113,31 @@ def _residuals(run: FigureData) -> list[Strip]:
                     shade=run.intervals("y", item.name),
                 )
             )
+    return strips
+
+
+def _relations(run: FigureData) -> list[Strip]:
+    """Return a strip for each residual that is blind to a channel, in thresholds, with its threshold."""
+    strips = []
+    for item in run.plant.channels:
+        lines = [
+            Line(
+                run.values(column),
+                f"<i>r</i> {escape(label)}",
+                run.colour(label),
+                run.legend(label),
+                final=True,
+                layer=-place,
+                curve=label,
+                source=column,
+            )
+            for place, label in enumerate(run.labels)
+            if (column := f"{label}.residual.{item.name}") in run.columns
+        ]
+        if lines:
+            sign, caption = f"<i>r</i><sub>{escape(item.name)}</sub>", run.caption("theta", item.name)
+            shade = run.intervals("theta", item.name)
+            strips.append(Strip(run.time, sign, caption, lines, shade=shade, marks=run.changes(), limit=1.0))
     return strips
 
 
@@ -209,6 +235,7 @@ _BUILD: dict[str, Callable[[FigureData], list[Strip]]] = {
     "states": lambda run: _compare(run, "x"),
     "outputs": _outputs,
     "residuals": _residuals,
+    "relations": _relations,
     "errors": _errors,
     "inputs": _inputs,
     "excitation": _excitation,

@@ -248,6 +248,7 @@ const GROUPS = [
   ['input', 'inputs'],
   ['state', 'states'],
   ['residual', 'residuals'],
+  ['relation', 'relations'],
   ['excitation', 'other'],
 ];
 

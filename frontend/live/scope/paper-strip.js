@@ -11,6 +11,7 @@ const FIGURES = {
   x: 'states',
   y: 'outputs',
   residual: 'residuals',
+  relation: 'relations',
   excitation: 'excitation',
   r: 'inputs',
   u: 'inputs',
@@ -29,7 +30,7 @@ export async function openStrip(app, strip) {
   const {links, spec} = await app.act.save();
   const own = (spec.figures ?? []).some(({name}) => name === figure);
   const {channels = [], states = [], outputs = []} = app.state.plant ?? {};
-  const items = {theta: channels, x: states, y: outputs, residual: outputs}[part] ?? [];
+  const items = {theta: channels, x: states, y: outputs, residual: outputs, relation: channels}[part] ?? [];
   const place = own ? -1 : items.findIndex(({name}) => name === rest.join('.'));
   openPaper(`${links.figures}/${figure}`, named(strip.title) || strip.name, place < 0 ? [] : [place + 1]);
 }

@@ -315,7 +315,9 @@ const escaped = (words) => words.replaceAll('&', '&amp;').replaceAll('<', '&lt;'
 /** @param {FigureStrip} strip */
 function nameOf(strip) {
   const name = symbolic(strip.symbol) ? plain(strip.symbol) : brief(strip.title) || plain(strip.symbol);
-  const residual = strip.kind === 'residual' && t('page.scope.residual-of', {name});
+  const residual =
+    (strip.kind === 'residual' && t('page.scope.residual-of', {name})) ||
+    (strip.kind === 'relation' && t('page.scope.relation', {name: brief(strip.title)}));
   const words = strip.kind === 'excitation' ? t('page.scope.excitation') : residual || name;
   return escaped(words + (strip.unit ? ` / ${strip.unit}` : ''));
 }

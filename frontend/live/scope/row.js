@@ -19,6 +19,7 @@ import {t} from '../../i18n/words.js';
  */
 function titleOf({kind, title}) {
   if (kind === 'residual') return t('page.scope.residual');
+  if (kind === 'relation') return t('page.scope.relation', {name: brief(title)});
   return kind === 'excitation' ? t('page.scope.excitation') : brief(title);
 }
 
@@ -31,7 +32,8 @@ export function label(row, app) {
   const {strip} = row;
   const words = titleOf(strip);
   const [letters, index] = split(strip.symbol);
-  const wordy = strip.kind === 'excitation' ? false : letters.length > 1 || index.length > 3;
+  const wordy =
+    strip.kind === 'excitation' || strip.kind === 'relation' ? false : letters.length > 1 || index.length > 3;
   const unit = strip.unit ? ` ${strip.unit}` : '';
   const open = tool('open', 'M9.500 3H13v3.500M13 3L9 7M6.500 13H3V9.500M3 13l4-4', () => openFigure(app, strip.name));
   open.title = t('page.scope.open-figure');
@@ -113,8 +115,9 @@ export function signOf({kind, symbol: name}, plant) {
       ' − ',
       symbol(name, true),
     );
-  if (kind !== 'theta') return symbol(name);
+  if (kind !== 'theta' && kind !== 'relation') return symbol(name);
   const [letters, index] = badges(plant?.channels ?? []).get(name) ?? split(name);
+  if (kind === 'relation') return h('span', {class: 'math'}, h('i', {}, 'r'), h('sub', {}, letters + index));
   return h('span', {class: 'math'}, h('i', {}, letters), index && h('sub', {}, index));
 }
 

@@ -1,5 +1,5 @@
 // Which strips a session has and what each of them draws: one per fault channel, per set point and input of a loop, per
-// state, per output's residual, and the excitation.
+// state, per output's residual, per residual that is blind to one channel, and the excitation.
 
 /** @import {DerivedColumn, FaultState, ObserverState, Plant, Sketched, State, Strip, Trace} from '../types.js' */
 
@@ -72,6 +72,7 @@ export function stripsOf({plant, columns, observers, faults, checks, strips: cho
     ...inputStrips(plant, known),
     ...stateStrips(plant, traces),
     ...residualStrips(plant, noise, known, observers, traces),
+    ...relationStrips(plant, known, traces),
     ...excitationStrip(known, observers, checks, traces),
   ];
   const few = presentation ? fewer(all) : () => true;
@@ -280,6 +281,39 @@ function residualStrips(plant, present, known, observers, traces) {
       usual: place < 2,
     };
   });
+}
+
+/**
+ * Residuals that an observer computes for each channel, blind to its fault, in thresholds.
+ * @param {Plant} plant
+ * @param {Set<string>} known
+ * @param {MakeTraces} traces
+ * @returns {UsualStrip[]}
+ */
+function relationStrips(plant, known, traces) {
+  return plant.channels
+    .map(({name, title}) => ({
+      name,
+      title: title || name,
+      traces: traces(({label}) => ({column: `${label}.residual.${name}`})).filter(({column}) => known.has(column)),
+    }))
+    .filter((one) => one.traces.length > 0)
+    .map((one, place) => ({
+      name: `relation.${one.name}`,
+      kind: 'relation',
+      symbol: one.name,
+      subject: one.name,
+      title: one.title,
+      unit: '',
+      truth: null,
+      traces: one.traces,
+      base: [0, 1.6],
+      least: 1,
+      log: false,
+      threshold: 1,
+      weight: 0.8,
+      usual: place < MOST_CHANNELS,
+    }));
 }
 
 /**

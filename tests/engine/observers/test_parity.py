@@ -18,6 +18,7 @@ from thetascope.assembly.analyses.observer_catalogue import observer_kinds
 from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import Result
 from thetascope.engine.observers import registry
+from thetascope.figures import figure, figure_names
 from thetascope.live.session.session import Session
 from thetascope.runs.results.summary import summarise
 from thetascope_schemas import Experiment
@@ -206,3 +207,15 @@ def test_a_session_has_the_residuals_of_its_run():
     for rows in (7, 33, 60):
         advance(session, rows, pieces)
     assert_same(pieces, session)
+
+
+def test_its_residuals_have_a_figure_with_their_threshold():
+    """One strip for each residual, in thresholds, with a line at 1; runs without such residuals have no such figure."""
+    spec = library.resolve(library.experiment("dc-motor-parity"))
+    result = simulate(spec)
+    assert "relations" in [one["name"] for one in figure_names(spec, result.names)]
+    drawn = figure(result, spec, spec.plant, "relations")
+    assert sum(line["name"].endswith("parity") for line in drawn["data"]) >= 2
+    assert [shape for shape in drawn["layout"]["shapes"] if shape.get("y0") == shape.get("y1") == 1.0]
+    plain = library.resolve(library.experiment("zhao-2012"))
+    assert "relations" not in [one["name"] for one in figure_names(plain, ["t", "y.y", "adaptive.theta.theta1"])]
