@@ -4,9 +4,9 @@ A request carries the headers of the one that it is made for. So the other proce
 client itself, and answers in the client's language.
 """
 
+import socket
 from contextlib import AbstractAsyncContextManager
 from http.client import HTTPConnection, HTTPException
-from socket import AF_UNIX, SOCK_STREAM, socket
 from typing import NamedTuple
 from urllib.parse import quote
 
@@ -104,7 +104,7 @@ class _Connection(HTTPConnection):
         if not self._path:
             super().connect()
             return
-        self.sock = socket(AF_UNIX, SOCK_STREAM)
+        self.sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         self.sock.settimeout(_PATIENCE)
         self.sock.connect(self._path)
 
