@@ -4,7 +4,7 @@ import argparse
 import importlib
 
 ENGINE = ("kernels", "others", "compilation", "service")  # the benchmarks that run by default
-NAMES = (*ENGINE, "live", "memory", "page", "guarded", "classroom", "studies")
+NAMES = (*ENGINE, "live", "processes", "memory", "page", "guarded", "classroom", "studies")
 
 
 def main() -> None:

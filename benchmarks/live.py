@@ -126,9 +126,9 @@ def playing(
                 connection.getresponse().read()
 
 
-def processor_time(process: subprocess.Popen) -> float:
+def processor_time(process: int) -> float:
     """Return the processor time of a process, s."""
-    fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
@@ -149,10 +149,10 @@ def cost(
         for _ in range(WINDOWS):
             for watcher in (*mine, *theirs):
                 watcher.clear()
-            before = processor_time(process), processor_time(other)
+            before = processor_time(process.pid), processor_time(other.pid)
             watchers.run(LONG)
             each = [
-                (processor_time(p) - b) / sum(len(watcher.times) for watcher in group)
+                (processor_time(p.pid) - b) / sum(len(watcher.times) for watcher in group)
                 for p, b, group in zip((process, other), before, (mine, theirs), strict=True)
             ]
             ratios.append(each[0] / each[1])
@@ -168,10 +168,10 @@ def hold(server: tuple[subprocess.Popen, str], sessions: int) -> Iterator[Figure
         for _ in range(WINDOWS):
             for watcher in mine:
                 watcher.clear()
-            before, used, all_used = perf_counter(), processor_time(process), first_processor()
+            before, used, all_used = perf_counter(), processor_time(process.pid), first_processor()
             watchers.run(WINDOW)
             seconds = perf_counter() - before
-            share = (processor_time(process) - used) / seconds
+            share = (processor_time(process.pid) - used) / seconds
             sorted_gaps = sorted(b - a for watcher in mine for a, b in pairwise(watcher.times))
             gaps.append(sorted_gaps[int(0.99 * len(sorted_gaps))])
             busy.append(share)
