@@ -176,6 +176,9 @@ UNITS = UNITS.replace(
         ('expression: "a*sqrt(2*g*max(h1 - h2, 0))"', 'expression: "a*exp(g)*sqrt(2*g*h1)"', "g", ["cm/s²", "pure"]),
         ("enters: {h1: -sqrt(h1)}", 'unit: "", enters: {h1: -q}', "-q", ["cm³/s", "cm/s"]),
         ("(q - q12)/A", "(q - q12)/A + where(h1 < g, 0, 0)", "g", ["cm/s²", "cm"]),
+        ("expression: h1}", "expression: 'deadzone(h1, g)'}", "g", ["cm/s²", "cm"]),
+        ("expression: h1}", "expression: 'play(h1, h2, q)'}", "q", ["cm³/s", "cm"]),
+        ("(q - q12)/A", "boucwen(q - q12, h1, 1/B, 1, 1, 1)", "boucwen(q - q12, h1, 1/B, 1, 1, 1)", ["cm³/s", "cm/s"]),
     ],
 )
 def test_a_term_with_another_unit_is_underlined(right, wrong, shown, words):

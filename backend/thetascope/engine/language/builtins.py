@@ -53,6 +53,29 @@ def backlash(x: float, dx: float, z: float, m1: float, m2: float, D1: float, D2:
     return m2 * (x + D2) if x < z / m2 - D2 and dx < -still else z
 
 
+def dead_zone(x: float, d: float) -> float:
+    """Return 0 within ±d, and the way beyond. Raises ValueError for d < 0."""
+    return x - clip(x, -d, d)
+
+
+def play(x: float, z: float, d: float) -> float:
+    """Return the next z of a play of half width d, dragged by x. Raises ValueError for d < 0."""
+    return clip(z, x - d, x + d)
+
+
+def saturated_play(x: float, z: float, d: float, limit: float) -> float:
+    """Return a play limited to ±limit; its z goes on inside. Raises ValueError for d < 0 or limit < 0."""
+    return clip(play(x, z, d), -limit, limit)
+
+
+def bouc_wen(v: float, z: float, A: float, beta: float, gamma: float, n: float) -> float:
+    """Return the rate of the hysteretic state z of Bouc and Wen at the velocity v, Wen 1976, J. Eng. Mech. 102(2):
+
+    A v − β |v| |z|^(n − 1) z − γ v |z|^n.
+    """
+    return A * v - beta * abs(v) * signed_power(z, n) - gamma * v * abs(z) ** n
+
+
 def _one(compute: Callable[[float], float]) -> LanguageFunction:
     return LanguageFunction(1, 1, compute)
 
@@ -82,5 +105,9 @@ FUNCTIONS: dict[str, LanguageFunction] = {
     "where": LanguageFunction(3, 3, lambda condition, a, b: a if condition else b),
     "spow": LanguageFunction(2, 2, signed_power),
     "backlash": LanguageFunction(7, 7, backlash),
+    "deadzone": LanguageFunction(2, 2, dead_zone),
+    "play": LanguageFunction(3, 3, play),
+    "satplay": LanguageFunction(4, 4, saturated_play),
+    "boucwen": LanguageFunction(6, 6, bouc_wen),
     "interp": LanguageFunction(2, 2, lambda x, table: table.value(x)),
 }

@@ -265,6 +265,14 @@ def in_pairs(pair: type[Real], *args: Expr) -> Expr:
     return args[0] if not half else pair(in_pairs(pair, *args[:half]), in_pairs(pair, *args[half:]))
 
 
+def _clip(x: Expr, low: Expr, high: Expr) -> Expr:
+    return Min(Max(x, low), high)
+
+
+def _bouc_wen(v: Expr, z: Expr, A: Expr, beta: Expr, gamma: Expr, n: Expr) -> Expr:
+    return A * v - beta * Abs(v) * SignedPower(z, n) - gamma * v * Abs(z) ** n
+
+
 BUILDERS = {
     "sin": sympy.sin,
     "cos": sympy.cos,
@@ -283,13 +291,17 @@ BUILDERS = {
     "sign": sign,
     "min": partial(in_pairs, Min),
     "max": partial(in_pairs, Max),
-    "clip": lambda x, low, high: Min(Max(x, low), high),
+    "clip": _clip,
     "heaviside": lambda x: Where(LessEqual(ZERO, x), ONE, ZERO),
     "step": lambda x: Where(LessEqual(ZERO, x), ONE, ZERO),
     "floor": floor,
     "where": Where,
     "spow": SignedPower,
     "backlash": Backlash,
+    "deadzone": lambda x, d: x - _clip(x, -d, d),
+    "play": lambda x, z, d: _clip(z, x - d, x + d),
+    "satplay": lambda x, z, d, limit: _clip(_clip(z, x - d, x + d), -limit, limit),
+    "boucwen": _bouc_wen,
     "interp": lambda x, table: Interp(x, table, ZERO),
 }
 """Constructor of the SymPy expression for each function of the language."""

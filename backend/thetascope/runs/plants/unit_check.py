@@ -18,7 +18,16 @@ from thetascope_schemas.experiment.plant import Plant
 
 Dimension = dict[str, float]
 _PURE = 10.0  # integers and halves up to this are pure numbers
-_SAME = ("abs", "floor", "min", "max", "clip")  # the result has the dimension of the arguments
+_SAME = (
+    "abs",
+    "floor",
+    "min",
+    "max",
+    "clip",
+    "deadzone",
+    "play",
+    "satplay",
+)  # the result has the dimension of the arguments
 _PLAIN = ("sign", "heaviside", "step", "atan2")  # a pure number, whatever the argument
 _SHORT = {
     "meter": "m",
@@ -160,6 +169,9 @@ class _Checker:
             return self._same(node.args[1:], parts[1:])
         if name == "backlash":
             return parts[0]
+        if name == "boucwen":  # A v; β and γ have the units that make the other terms equal
+            v, _, A, *_ = parts
+            return None if v is None or A is None else _times(A, v, 1)
         if name not in _PLAIN:
             for arg, part in zip(node.args, parts, strict=True):
                 if part:

@@ -13,7 +13,8 @@ import {errorLine} from './error-line.js';
 /** @typedef {{errors: readonly TextError[], apply: (error: TextError) => void}} Shown */
 
 const FUNCTIONS =
-  'a?(?:sin|cos|tan)h?|atan2|exp|log|sqrt|abs|sign|min|max|clip|heaviside|step|floor|where|spow|backlash|interp';
+  'a?(?:sin|cos|tan)h?|atan2|exp|log|sqrt|abs|sign|min|max|clip|heaviside|step|floor|where|spow|backlash|interp' +
+  '|deadzone|play|satplay|boucwen';
 const CALLS = new RegExp(`\\b(?:${FUNCTIONS})(?=\\()|(?<![\\w.])\\d+\\.?\\d*(?:e[+-]?\\d+)?(?![\\w.])`, 'g');
 
 /**

@@ -20,6 +20,9 @@ NAMED = {
     "sign": "sgn",
     "backlash": "play",
     "clip": "sat",
+    "deadzone": "dz",
+    "satplay": "satplay",
+    "boucwen": "BW",
 }
 TIGHT, LOOSE = '<mspace width="0.14em"/>', '<mspace width="0.28em"/>'
 MINUS, EQUALS = "<mo>−</mo>", "<mo>=</mo>"
