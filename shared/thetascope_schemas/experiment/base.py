@@ -61,6 +61,10 @@ FUNCTIONS = frozenset(
         "where",
         "spow",
         "backlash",
+        "boucwen",
+        "deadzone",
+        "play",
+        "satplay",
         "interp",
     )
 )
